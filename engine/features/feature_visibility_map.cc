@@ -38,7 +38,7 @@ FeatureVisibilityMap::FeatureVisibilityMap(const FeatureVisibilityMapOptions& op
 }
 
 void FeatureVisibilityMap::update(const Belief& belief, double density, const LocalTexture* texture,
-                                  WorkerThreads* workers) {
+                                  WorkerThreads* workers, const PausePoint& pause) {
   ++updates_;
   const GroundMap& ground = *belief.ground;
   const GridFrame& fine = ground.frame();
@@ -66,6 +66,7 @@ void FeatureVisibilityMap::update(const Belief& belief, double density, const Lo
   const GridFrame window = intersection(
       frame, frame_around(frame.cell(here.x(), here.y()), options_.prior_range, frame.resolution));
   for (int n = 0; n < window.size(); ++n) {
+    pause();
     const Cell b = window.at(n);
     const int k = frame.index(b);
     std::optional<Cell> middle;
@@ -102,9 +103,9 @@ void FeatureVisibilityMap::update(const Belief& belief, double density, const Lo
   unseen.image_cell = belief.landmarks->image_cell;
   std::vector<Landmark> landmarks = unseen_features(ground, belief.pose, unseen, texture);
   const double farthest = std::numbers::sqrt2 * options_.prior_range;  // of a block in the window
-  const std::vector<Landmark> mapped =
-      select_landmarks(*belief.landmarks, belief.pose, farthest,
-                       options_.max_landmarks - static_cast<int>(landmarks.size()), visibility_);
+  const std::vector<Landmark> mapped = select_landmarks(
+      *belief.landmarks, belief.pose, farthest,
+      options_.max_landmarks - static_cast<int>(landmarks.size()), visibility_, pause);
   landmarks.insert(landmarks.end(), mapped.begin(), mapped.end());
   const VisibilityPrediction prediction(landmarks, camera_, mount_, nullptr, visibility_);
 
@@ -144,7 +145,13 @@ void FeatureVisibilityMap::update(const Belief& belief, double density, const Lo
     }
   };
   WorkerThreads alone(1);
-  (workers ? *workers : alone).run(static_cast<int>(turns.size()), count);
+  // By portions: in between it may pause.
+  constexpr int kPortion = 4;
+  for (int first = 0; first < static_cast<int>(turns.size()); first += kPortion) {
+    pause();
+    const int portion = std::min(kPortion, static_cast<int>(turns.size()) - first);
+    (workers ? *workers : alone).run(portion, [&](int k) { count(first + k); });
+  }
 }
 
 double FeatureVisibilityMap::count(Cell c, double yaw) const {

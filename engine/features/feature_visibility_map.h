@@ -51,7 +51,7 @@ class FeatureVisibilityMap {
   /// scaled. workers: share the blocks, the same bits for any number of them; null: the caller
   /// counts all.
   void update(const Belief& belief, double density, const LocalTexture* texture = nullptr,
-              WorkerThreads* workers = nullptr);
+              WorkerThreads* workers = nullptr, const PausePoint& pause = {});
 
   /// N at a cell for a heading [rad]; +infinity where nothing was counted yet.
   double count(Cell c, double yaw) const;

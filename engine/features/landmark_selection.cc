@@ -78,9 +78,11 @@ CellKey cell_of(const Landmark& l, double size) {
 
 /// `landmarks`, by key, as clusters of a lattice; given up as soon as there are more than `most`.
 std::vector<Cluster> clusters(const std::vector<const Landmark*>& landmarks, double size,
-                              std::size_t most) {
+                              std::size_t most, const PausePoint& pause) {
   std::map<CellKey, Cluster> cells;
+  std::size_t taken = 0;
   for (const Landmark* l : landmarks) {
+    if (++taken % 64 == 0) pause();
     Cluster& c = cells[cell_of(*l, size)];
     if (!c.first) c.first = l;
     c.multiplicity += l->multiplicity;
@@ -97,13 +99,21 @@ std::vector<Cluster> clusters(const std::vector<const Landmark*>& landmarks, dou
 }  // namespace
 
 std::vector<Landmark> select_landmarks(const LandmarkMap& map, const Pose& pose, double reach,
-                                       int max_count, const VisibilityParameters& parameters) {
+                                       int max_count, const VisibilityParameters& parameters,
+                                       const PausePoint& pause) {
   std::vector<const Landmark*> eligible;
+  std::size_t steps = 0;
+  const auto pause_now_and_then = [&] {
+    if (++steps % 128 == 0) pause();
+  };
   for (const Landmark& l : map.landmarks) {
+    pause_now_and_then();
     if (usable(l) && can_matter(l, pose.position, reach, parameters)) eligible.push_back(&l);
   }
-  std::sort(eligible.begin(), eligible.end(),
-            [](const Landmark* a, const Landmark* b) { return key(*a) < key(*b); });
+  std::sort(eligible.begin(), eligible.end(), [&](const Landmark* a, const Landmark* b) {
+    pause_now_and_then();
+    return key(*a) < key(*b);
+  });
   std::vector<Landmark> result;
   const auto most = static_cast<std::size_t>(std::max(0, max_count));
   if (eligible.size() <= most) {
@@ -111,10 +121,10 @@ std::vector<Landmark> select_landmarks(const LandmarkMap& map, const Pose& pose,
   } else {
     std::vector<Cluster> chosen;
     for (double size = kFinest; size <= kCoarsest; size *= std::numbers::sqrt2) {
-      chosen = clusters(eligible, size, most);
+      chosen = clusters(eligible, size, most, pause);
       if (chosen.size() <= most) break;
     }
-    if (chosen.size() > most) chosen = clusters(eligible, kCoarsest, eligible.size());
+    if (chosen.size() > most) chosen = clusters(eligible, kCoarsest, eligible.size(), pause);
     std::sort(chosen.begin(), chosen.end(),
               [](const Cluster& a, const Cluster& b) { return key(*a.first) < key(*b.first); });
     if (chosen.size() > most) chosen.resize(most);

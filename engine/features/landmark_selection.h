@@ -4,6 +4,7 @@
 
 #include "engine/features/visibility_prediction.h"
 #include "engine/maps/landmark_map.h"
+#include "engine/support/resumable.h"
 #include "models/types.h"
 
 namespace prospect {
@@ -27,6 +28,7 @@ namespace prospect {
 /// runs of points behind the camera. Deterministic, and independent of the order in the map.
 /// `reach` should contain the camera's offset from the base.
 std::vector<Landmark> select_landmarks(const LandmarkMap& map, const Pose& pose, double reach,
-                                       int max_count, const VisibilityParameters& parameters = {});
+                                       int max_count, const VisibilityParameters& parameters = {},
+                                       const PausePoint& pause = {});
 
 }  // namespace prospect

@@ -13,7 +13,8 @@ constexpr double kLengths = 5.0;  // of correlation: what is farther away counts
 }  // namespace
 
 LocalTexture::LocalTexture(const GroundMap& ground, const LandmarkMap& landmarks,
-                           const Eigen::Vector2d& around, const LocalTextureOptions& options)
+                           const Eigen::Vector2d& around, const LocalTextureOptions& options,
+                           const PausePoint& pause)
     : options_(options) {
   constexpr const char* kOwner = "local texture";
   check_positive(kOwner, "block", options.block);
@@ -30,6 +31,7 @@ LocalTexture::LocalTexture(const GroundMap& ground, const LandmarkMap& landmarks
 
   double wall = 0.0;
   for (int index = 0; index < fine.size(); ++index) {
+    if (index % 1024 == 0) pause();
     const Cell c = fine.at(index);
     if (cells[c] != CellState::kOccupied) continue;
     const auto is_free = [&](int di, int dj) {
@@ -40,7 +42,9 @@ LocalTexture::LocalTexture(const GroundMap& ground, const LandmarkMap& landmarks
     wall += fine.resolution;
   }
   double count = 0.0;
+  std::size_t looked_at = 0;
   for (const Landmark& l : landmarks.landmarks) {
+    if (++looked_at % 256 == 0) pause();
     const Eigen::Vector2d p = l.position.head<2>();
     if (!p.allFinite() || p.cwiseAbs().maxCoeff() > kFarthest) continue;
     if (!blocks_.frame.contains(block_of(p))) continue;

@@ -5,6 +5,7 @@
 
 #include "engine/maps/ground_map.h"
 #include "engine/maps/landmark_map.h"
+#include "engine/support/resumable.h"
 
 namespace prospect {
 
@@ -36,7 +37,7 @@ class LocalTexture {
   /// around: the robot, in W [m], finite. Throws std::invalid_argument on an option that is not >
   /// 0.
   LocalTexture(const GroundMap& ground, const LandmarkMap& landmarks, const Eigen::Vector2d& around,
-               const LocalTextureOptions& options = {});
+               const LocalTextureOptions& options = {}, const PausePoint& pause = {});
 
   /// s(p), p in W [m].
   double relative(const Eigen::Vector2d& p) const;

@@ -20,10 +20,11 @@ Polygon within(Polygon area, const Eigen::AlignedBox2d& box) {
 
 }  // namespace
 
-AreaSources::AreaSources(const Traversability& traversability, const Polygon& area)
+AreaSources::AreaSources(const Traversability& traversability, const Polygon& area,
+                         const PausePoint& pause)
     : frame_(traversability.frame()), beyond_(traversability.options().unknown_travel) {
   const TraversabilityOptions& options = traversability.options();
-  wanted_ = Grid<std::uint8_t>(frame_, 0);
+  wanted_ = Grid<std::uint8_t>(frame_, 0, pause);
   const Polygon told = options.extent ? within(area, *options.extent) : area;
   beyond_extent_ = told.empty();
   if (told.empty()) return;
@@ -49,6 +50,7 @@ AreaSources::AreaSources(const Traversability& traversability, const Polygon& ar
   const Cell from = frame_.cell(low.x(), low.y()), to = frame_.cell(high.x(), high.y());
   std::vector<Cell> unknown;  // in scan order
   for (int j = from.j; j <= to.j; ++j) {
+    pause();
     for (int i = from.i; i <= to.i; ++i) {
       const Cell c{i, j};
       if (!frame_.contains(c)) continue;
@@ -65,13 +67,14 @@ AreaSources::AreaSources(const Traversability& traversability, const Polygon& ar
   }
 
   // Parts that are too small are unknown for want of an observation that shows them.
-  Grid<std::uint8_t> reached(frame_, 0);
+  Grid<std::uint8_t> reached(frame_, 0, pause);
   std::vector<Cell> part;
   for (const Cell seed : unknown) {
     if (reached[seed] != 0) continue;
     part.assign(1, seed);
     reached[seed] = 1;
     for (std::size_t n = 0; n < part.size(); ++n) {
+      if (n % 1024 == 0) pause();
       const Cell c = part[n];
       for (const Cell next :
            {Cell{c.i + 1, c.j}, Cell{c.i - 1, c.j}, Cell{c.i, c.j + 1}, Cell{c.i, c.j - 1}}) {

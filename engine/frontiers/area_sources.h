@@ -25,7 +25,8 @@ class AreaSources {
   static constexpr double kLeastPart = 0.5;  ///< [m^2]
 
   /// area: usable (polygon_fault()). traversability: unknown_travel > 0.
-  AreaSources(const Traversability& traversability, const Polygon& area);
+  AreaSources(const Traversability& traversability, const Polygon& area,
+              const PausePoint& pause = {});
 
   /// [m of path equivalent]; infinity: none.
   float source(Cell c) const;

@@ -35,16 +35,15 @@ CostToGoField::CostToGoField(const CostToGoOptions& options) : options_(options)
                   "features_required", o.features_required, "more than 0");
 }
 
-void CostToGoField::relayout(const Traversability& traversability) {
+void CostToGoField::relayout(const Traversability& traversability, const PausePoint& pause) {
   const GridFrame& frame = traversability.frame();
-  const auto size = static_cast<std::size_t>(frame.size());
   if (fresh_ || traversability.restarted()) {
     frame_ = frame;
-    d_.assign(size, kInfinity);
-    slowness_.assign(size, 0.0F);
-    source_.assign(size, kNoSource);
-    in_front_.assign(size, 0);
-    pending_bucket_.assign(size, -1);
+    d_ = Grid<double>(frame, kInfinity, pause).data;
+    slowness_ = Grid<float>(frame, 0.0F, pause).data;
+    source_ = Grid<float>(frame, kNoSource, pause).data;
+    in_front_ = Grid<std::uint8_t>(frame, 0, pause).data;
+    pending_bucket_ = Grid<int>(frame, -1, pause).data;
     front_.clear();
     touched_.clear();
     return;
@@ -52,8 +51,9 @@ void CostToGoField::relayout(const Traversability& traversability) {
   if (frame == frame_) return;
   const GridFrame old = frame_;
   const auto move = [&](auto& data, auto value) {
-    std::remove_reference_t<decltype(data)> wide(size, value);
+    auto wide = Grid<std::decay_t<decltype(value)>>(frame, value, pause).data;
     for (int j = 0; j < old.height; ++j) {
+      pause();
       const auto from = data.begin() + static_cast<std::ptrdiff_t>(j) * old.width;
       std::copy(from, from + old.width, wide.begin() + frame.index({old.i0, old.j0 + j}));
     }
@@ -63,7 +63,7 @@ void CostToGoField::relayout(const Traversability& traversability) {
   move(slowness_, 0.0F);
   move(source_, kNoSource);
   move(in_front_, std::uint8_t{0});
-  pending_bucket_.assign(size, -1);
+  pending_bucket_ = Grid<int>(frame, -1, pause).data;
   for (int& index : front_) index = frame.index(old.at(index));
   frame_ = frame;
 }
@@ -122,13 +122,16 @@ void CostToGoField::invalidate(int index) {
 // depended on, changed so that its value must rise loses it, and so in turn do those that depended
 // on it. Support comes from strictly lower cells, so it cannot run in a circle. What remains are
 // upper bounds.
-void CostToGoField::repair_support() {
+void CostToGoField::repair_support(const PausePoint& pause) {
   raised_.clear();
   const int stride = frame_.width;
+  const auto evaluate = [&](int index) {
+    if (++evaluations_ % 256 == 0) pause();
+    return solve_cell(index);
+  };
   for (const int index : touched_) {
-    ++evaluations_;
     const auto at = static_cast<std::size_t>(index);
-    const double value = solve_cell(index);
+    const double value = evaluate(index);
     if (value > d_[at]) {
       invalidate(index);
     } else if (value < d_[at]) {
@@ -142,8 +145,7 @@ void CostToGoField::repair_support() {
     for (const int n : {index - 1, index + 1, index - stride, index + stride}) {
       const auto at = static_cast<std::size_t>(n);
       if (d_[at] == kInfinity) continue;
-      ++evaluations_;
-      if (solve_cell(n) > d_[at]) invalidate(n);
+      if (evaluate(n) > d_[at]) invalidate(n);
     }
   }
 }
@@ -165,7 +167,7 @@ void CostToGoField::push(int index, double key) {
 
 // Label-correcting march over buckets of half a cell: cells of one bucket are solved in any order
 // and again where that was too early; the solution is unique, so the order leaves no trace.
-void CostToGoField::march() {
+void CostToGoField::march(const PausePoint& pause) {
   const int stride = frame_.width;
   entries_.clear();
   bucket_head_.clear();
@@ -175,9 +177,12 @@ void CostToGoField::march() {
   std::vector<int>& front = front_;
   std::vector<double>& keys = front_keys_;
   keys.clear();
+  const auto evaluate = [&](int index) {
+    if (++evaluations_ % 256 == 0) pause();
+    return solve_cell(index);
+  };
   for (const int index : front) {
-    ++evaluations_;
-    const double value = solve_cell(index);
+    const double value = evaluate(index);
     keys.push_back(value == d_[static_cast<std::size_t>(index)] ? kInfinity : value);
     key_base_ = std::min(key_base_, keys.back());
     in_front_[static_cast<std::size_t>(index)] = 0;
@@ -203,8 +208,7 @@ void CostToGoField::march() {
       const auto at = static_cast<std::size_t>(index);
       if (pending_bucket_[at] != bucket_) continue;
       pending_bucket_[at] = -1;
-      ++evaluations_;
-      const double value = solve_cell(index);
+      const double value = evaluate(index);
       if (value == d_[at]) continue;
       if (value >= low + 2.0 * key_width_ && value < kInfinity) {
         push(index, value);
@@ -214,8 +218,7 @@ void CostToGoField::march() {
       for (const int n : {index - 1, index + 1, index - stride, index + stride}) {
         const auto next = static_cast<std::size_t>(n);
         if (slowness_[next] == 0.0F || d_[next] < value) continue;
-        ++evaluations_;
-        const double changed = solve_cell(n);
+        const double changed = evaluate(n);
         if (changed != d_[next]) push(n, changed);
       }
     }
@@ -263,10 +266,10 @@ void CostToGoField::find_anchor(const Traversability& traversability, bool reach
 
 template <typename Sources>
 void CostToGoField::update_from(const Traversability& traversability, const Sources& sources,
-                                Cell robot, const Grid<float>* features) {
+                                Cell robot, const Grid<float>* features, const PausePoint& pause) {
   evaluations_ = 0;
   const bool all = fresh_ || traversability.restarted();
-  relayout(traversability);
+  relayout(traversability, pause);
   fresh_ = false;
   robot_ = robot;
   // The outermost cells are never passable, and solve_cell() needs all four neighbours.
@@ -275,6 +278,7 @@ void CostToGoField::update_from(const Traversability& traversability, const Sour
   const auto refresh_within = [&](const GridFrame& part, const GridFrame& but) {
     const GridFrame cells = intersection(inner, part);
     for (int n = 0; n < cells.size(); ++n) {
+      if (n % 1024 == 0) pause();
       const Cell c = cells.at(n);
       if (but.contains(c)) continue;
       refresh(frame_.index(c), c, traversability, sources, features);
@@ -285,7 +289,9 @@ void CostToGoField::update_from(const Traversability& traversability, const Sour
   if (all) {
     refresh_within(frame_, none);
   } else {
+    std::size_t refreshed = 0;
     for (const Cell c : traversability.changed_factors()) {
+      if (++refreshed % 1024 == 0) pause();
       refresh(frame_.index(c), c, traversability, sources, features);
     }
     for (const Cell c : sources.changed_sources()) {
@@ -296,31 +302,33 @@ void CostToGoField::update_from(const Traversability& traversability, const Sour
   }
   priced_ = priced;
   find_anchor(traversability, false);
-  repair_support();
-  march();
+  repair_support(pause);
+  march(pause);
   if (!anchor_reached()) find_anchor(traversability, true);
 }
 
 void CostToGoField::update(const Traversability& traversability, const FrontierDetector& frontiers,
-                           Cell robot, const Grid<float>* features) {
-  update_from(traversability, frontiers, robot, features);
+                           Cell robot, const Grid<float>* features, const PausePoint& pause) {
+  update_from(traversability, frontiers, robot, features, pause);
 }
 
 void CostToGoField::update(const Traversability& traversability, const GoalSources& goal,
-                           Cell robot) {
-  update_from(traversability, goal, robot, nullptr);
+                           Cell robot, const PausePoint& pause) {
+  update_from(traversability, goal, robot, nullptr, pause);
 }
 
 void CostToGoField::solve_from_scratch(const Traversability& traversability,
-                                       const GoalSources& goal, Cell robot) {
+                                       const GoalSources& goal, Cell robot,
+                                       const PausePoint& pause) {
   fresh_ = true;
-  update(traversability, goal, robot);
+  update(traversability, goal, robot, pause);
 }
 
 void CostToGoField::solve_from_scratch(const Traversability& traversability,
-                                       const AreaSources& area, Cell robot) {
+                                       const AreaSources& area, Cell robot,
+                                       const PausePoint& pause) {
   fresh_ = true;
-  update_from(traversability, area, robot, nullptr);
+  update_from(traversability, area, robot, nullptr, pause);
 }
 
 void CostToGoField::solve_from_scratch(const Traversability& traversability,

@@ -68,17 +68,18 @@ class CostToGoField {
   /// more), null: no localization weighting. robot: its cell. Cost: that of what changed, and of
   /// the cells in `features`.
   void update(const Traversability& traversability, const FrontierDetector& frontiers, Cell robot,
-              const Grid<float>* features = nullptr);
+              const Grid<float>* features = nullptr, const PausePoint& pause = {});
   /// The same from nothing, and from other sources than viewpoints. After sources of the one kind
   /// have been used, those of the other need the field anew.
   void solve_from_scratch(const Traversability& traversability, const FrontierDetector& frontiers,
                           Cell robot, const Grid<float>* features = nullptr);
 
-  void update(const Traversability& traversability, const GoalSources& goal, Cell robot);
-  void solve_from_scratch(const Traversability& traversability, const GoalSources& goal,
-                          Cell robot);
-  void solve_from_scratch(const Traversability& traversability, const AreaSources& area,
-                          Cell robot);
+  void update(const Traversability& traversability, const GoalSources& goal, Cell robot,
+              const PausePoint& pause = {});
+  void solve_from_scratch(const Traversability& traversability, const GoalSources& goal, Cell robot,
+                          const PausePoint& pause = {});
+  void solve_from_scratch(const Traversability& traversability, const AreaSources& area, Cell robot,
+                          const PausePoint& pause = {});
 
   /// D [m of path equivalent]; +infinity where not reached or beyond the stopping value.
   double value(Cell c) const;
@@ -103,19 +104,19 @@ class CostToGoField {
   const CostToGoOptions& options() const { return options_; }
 
  private:
-  void relayout(const Traversability& traversability);
+  void relayout(const Traversability& traversability, const PausePoint& pause);
   template <typename Sources>
   void refresh(int index, Cell c, const Traversability& traversability, const Sources& sources,
                const Grid<float>* features);
   template <typename Sources>
   void update_from(const Traversability& traversability, const Sources& sources, Cell robot,
-                   const Grid<float>* features);
+                   const Grid<float>* features, const PausePoint& pause);
   double solve_cell(int index) const;
   void to_front(int index);
   void push(int index, double key);
   void invalidate(int index);
-  void repair_support();
-  void march();
+  void repair_support(const PausePoint& pause);
+  void march(const PausePoint& pause);
   void find_anchor(const Traversability& traversability, bool reached_only);
   bool reached(int index) const;
 

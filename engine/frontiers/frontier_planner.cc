@@ -57,12 +57,14 @@ void FrontierPlanner::close(Cell at, double stamp) {
 }
 
 // The robot travels down the field of the step before. Where that says nothing, nor do the counts.
-void FrontierPlanner::count_along_travel(const FeatureVisibilityMap& visibility_map, Cell robot) {
+void FrontierPlanner::count_along_travel(const FeatureVisibilityMap& visibility_map, Cell robot,
+                                         const PausePoint& pause) {
   const GridFrame frame = frame_around(robot, kPricedWithin, traversability_.frame().resolution);
   along_travel_.frame = frame;
   along_travel_.data.assign(static_cast<std::size_t>(frame.size()),
                             std::numeric_limits<float>::infinity());
   for (int index = 0; index < frame.size(); ++index) {
+    if (index % 256 == 0) pause();
     const Cell c = frame.at(index);
     const double here = field_.value(c);
     if (!(here < kInfinity)) continue;
@@ -179,9 +181,11 @@ void FrontierPlanner::measure_paths(const Pose& pose, const std::vector<Frontier
   path_lengths_.begin_at_robot(traversability_, frame.cell(pose.position.x(), pose.position.y()));
   double limit = all || options_.rule ? kInfinity : kFirstSearch * horizon;
   while (true) {
-    path_lengths_.extend(limit, prices.path);
+    path_lengths_.extend(limit, prices.path, prices.pause);
     path_to_.assign(frontiers.size(), Path{});
+    std::size_t visited = 0;
     detector_.visit_viewpoints([&](int k, Cell c, Cell sees, double cost) {
+      if (++visited % 512 == 0) prices.pause();
       Path& best = path_to_[static_cast<std::size_t>(k)];
       double length = path_lengths_.length(c) + cost;
       if (length >= best.length) return;
@@ -241,7 +245,7 @@ bool FrontierPlanner::nothing_farther_leads(const Eigen::Vector2d& robot,
 // The frontier to go to next, -1 for none; present: that of now, if it will do. alone: only those
 // that are worth their path whatever else lies on it.
 int FrontierPlanner::choose(const std::vector<Frontier>& frontiers, std::optional<int> present,
-                            bool alone, const ViewPrice& price, FrontierFacts& facts) {
+                            bool alone, const Prices& prices, FrontierFacts& facts) {
   std::vector<FrontierCandidate> candidates;
   for (std::size_t k = 0; k < frontiers.size(); ++k) {
     const Frontier& f = frontiers[k];
@@ -290,14 +294,17 @@ int FrontierPlanner::choose(const std::vector<Frontier>& frontiers, std::optiona
     double cost;
   };
   std::vector<Viewpoint> viewpoints;
+  std::size_t visited = 0;
   detector_.visit_viewpoints([&](int k, Cell c, Cell sees, double cost) {
+    if (++visited % 1024 == 0) prices.pause();
     const int candidate = place[static_cast<std::size_t>(k)];
     if (candidate < 0) return;
-    viewpoints.push_back(
-        {PathLengths::block_of(c), candidate, cost + (price ? price(c, sees) : 0.0)});
+    viewpoints.push_back({PathLengths::block_of(c), candidate,
+                          cost + (prices.observation ? prices.observation(c, sees) : 0.0)});
   });
   // The cheapest of each candidate in each block.
-  std::sort(viewpoints.begin(), viewpoints.end(), [](const Viewpoint& a, const Viewpoint& b) {
+  std::sort(viewpoints.begin(), viewpoints.end(), [&](const Viewpoint& a, const Viewpoint& b) {
+    if (++visited % 1024 == 0) prices.pause();
     if (!(a.block == b.block)) return scan_less(a.block, b.block);
     return a.candidate != b.candidate ? a.candidate < b.candidate : a.cost < b.cost;
   });
@@ -330,7 +337,7 @@ int FrontierPlanner::choose(const std::vector<Frontier>& frontiers, std::optiona
         return between.row(a).maxCoeff() <= length;
       };
       from.flood(path_to_[static_cast<std::size_t>(frontier)].viewpoint,
-                 kFarthestBetween * options_.order.horizon, all_found);
+                 kFarthestBetween * options_.order.horizon, all_found, prices.pause);
     }
   }
   const FrontierSequence best = best_sequence(candidates, between, options_.order);
@@ -349,7 +356,7 @@ int FrontierPlanner::choose(const std::vector<Frontier>& frontiers, std::optiona
 
 void FrontierPlanner::summarize_unresolved(const GroundMap& ground, const Pose& pose,
                                            const std::vector<Frontier>& frontiers,
-                                           FrontierFacts& facts) const {
+                                           FrontierFacts& facts, const PausePoint& pause) const {
   facts.hemmed_in = !traversability_.passable(field_.anchor());
   // What would be reached if there were no zones, and where it is looked at from.
   const ZoneMap* const zones = options_.traversability.zones.get();
@@ -359,7 +366,7 @@ void FrontierPlanner::summarize_unresolved(const GroundMap& ground, const Pose& 
   if (zones != nullptr) {
     TraversabilityOptions without = options_.traversability;
     without.zones = nullptr;
-    free.emplace(ground, pose, without, pose.position.head<2>());
+    free.emplace(ground, pose, without, pose.position.head<2>(), pause);
     detector_.visit_viewpoints([&](int k, Cell c, Cell, double) {
       Cell& best = viewpoint[static_cast<std::size_t>(k)];
       if (free->length(c) < free->length(best)) best = c;
@@ -394,14 +401,14 @@ void FrontierPlanner::summarize_unresolved(const GroundMap& ground, const Pose& 
 
 // Map, frontiers, ways and worth as of now.
 void FrontierPlanner::take_over(const GroundMap& ground, const Pose& pose, double stamp,
-                                const FrontierActivity& activity) {
+                                const FrontierActivity& activity, const PausePoint& pause) {
   const Eigen::Vector2d p = pose.position.head<2>();
   // What was learned of one place says nothing of another.
   if (!traversability_.continues(ground)) *this = FrontierPlanner(options_);
   if (activity.observed && (been_.empty() || (p - been_.back()).norm() >= kPlaceSpacing)) {
     been_.push_back(p);
   }
-  traversability_.update(ground, &pose);
+  traversability_.update(ground, &pose, pause);
   // A place that could not be passed is no wall: before nothing is left it is tried again.
   const bool open_all = last_->facts.exhausted;
   std::erase_if(closings_, [&](const Closing& c) {
@@ -414,13 +421,14 @@ void FrontierPlanner::take_over(const GroundMap& ground, const Pose& pose, doubl
     const std::optional<Cell> at = held_up_at(frame, p, *activity.blocked);
     if (at) close(*at, stamp);
   }
-  detector_.update(traversability_);
-  path_lengths_.update(traversability_);
-  utility_.map_changed(frame, traversability_.newly_known(), traversability_.changed_states());
+  detector_.update(traversability_, pause);
+  path_lengths_.update(traversability_, pause);
+  utility_.map_changed(frame, traversability_.newly_known(), traversability_.changed_states(),
+                       pause);
   if (activity.observed) {
     const ViewpointSource here = detector_.source_at(frame.cell(p.x(), p.y()));
     utility_.observation(traversability_.see_through(), detector_.frontiers(), pose, stamp,
-                         here.frontier >= 0 ? std::optional(here.sees) : std::nullopt);
+                         here.frontier >= 0 ? std::optional(here.sees) : std::nullopt, pause);
   }
   if (!activity.pursued) progress_.hold(stamp);
   // A loss far from the target says nothing of it: other paths lead through there, too.
@@ -429,18 +437,20 @@ void FrontierPlanner::take_over(const GroundMap& ground, const Pose& pose, doubl
     fail_visit(detector_.frontiers(), TargetChange::kLost);
   }
   const bool anywhere = !options_.area && options_.traversability.zones == nullptr;
-  detector_.find_viewpoints(traversability_, [&](const Frontier& f, std::vector<float>& ranges) {
+  const auto ranges_of = [&](const Frontier& f, std::vector<float>& ranges) {
     utility_.view_ranges(f, ranges);
     for (std::size_t n = 0; n < ranges.size() && !anywhere; ++n) {
       if (!counts(frame.center(f.cells[n]))) ranges[n] = 0.0F;
     }
-  });
+  };
+  detector_.find_viewpoints(traversability_, ranges_of, pause);
 }
 
 FrontierPlanner::Prices FrontierPlanner::prices(const FeatureVisibilityMap* visibility_map,
-                                                Cell robot) {
-  if (visibility_map == nullptr || !(options_.cost_to_go.lambda > 0.0)) return {};
-  count_along_travel(*visibility_map, robot);
+                                                Cell robot, const PausePoint& pause) {
+  if (visibility_map == nullptr || !(options_.cost_to_go.lambda > 0.0))
+    return {nullptr, nullptr, nullptr, pause};
+  count_along_travel(*visibility_map, robot, pause);
   const CostToGoOptions& cost = options_.cost_to_go;
   return {[this, visibility_map, &cost](Cell viewpoint, Cell sees) {
             const double yaw = std::atan2(sees.j - viewpoint.j, sees.i - viewpoint.i);
@@ -450,13 +460,13 @@ FrontierPlanner::Prices FrontierPlanner::prices(const FeatureVisibilityMap* visi
           [this, visibility_map, &cost](Cell c, double yaw) {
             return is_priced(c) ? cost.localization_price(visibility_map->count(c, yaw)) : 0.0;
           },
-          &along_travel_};
+          &along_travel_, pause};
 }
 
 // Whether a path leads there; -1: nowhere.
 bool FrontierPlanner::set_goal(int frontier, Cell robot, const Prices& prices) {
   detector_.set_goal(frontier, prices.observation);
-  field_.update(traversability_, detector_, robot, prices.along);
+  field_.update(traversability_, detector_, robot, prices.along, prices.pause);
   return frontier >= 0 && field_.anchor_reached();
 }
 
@@ -485,11 +495,11 @@ void FrontierPlanner::keep_or_change_target(const Pose& pose, double stamp, cons
   // What is near first; where that is not worth its path, there may be what is, far away.
   for (const bool far : {false, true}) {
     measure_paths(pose, frontiers, present.value_or(-1), far, prices);
-    chosen = choose(frontiers, present, far, prices.observation, facts);
+    chosen = choose(frontiers, present, far, prices, facts);
     // The lattice of paths is coarse: what it reaches may still be out of reach.
     while (!set_goal(chosen, robot, prices) && chosen >= 0) {
       path_to_[static_cast<std::size_t>(chosen)].length = kInfinity;
-      chosen = choose(frontiers, std::nullopt, far, prices.observation, facts);
+      chosen = choose(frontiers, std::nullopt, far, prices, facts);
     }
     if (chosen >= 0) break;
   }
@@ -557,7 +567,7 @@ void FrontierPlanner::follow_target(const Pose& pose, double stamp, GlobalPlan& 
 
 std::shared_ptr<const GlobalPlan> FrontierPlanner::update(
     const GroundMap& ground, const Pose& pose, double stamp, const FrontierActivity& activity,
-    const FeatureVisibilityMap* visibility_map) {
+    const FeatureVisibilityMap* visibility_map, const PausePoint& pause) {
   Stopwatch watch;
   // Beyond this the cell address would not fit an int.
   const Eigen::Vector2d p = pose.position.head<2>();
@@ -565,12 +575,12 @@ std::shared_ptr<const GlobalPlan> FrontierPlanner::update(
       !std::isfinite(stamp)) {
     return last_;
   }
-  take_over(ground, pose, stamp, activity);
+  take_over(ground, pose, stamp, activity, pause);
   auto global_plan = std::make_shared<GlobalPlan>();
   global_plan->frontiers = detector_.frontiers();
-  utility_.measure(traversability_, global_plan->frontiers);
+  utility_.measure(traversability_, global_plan->frontiers, pause);
   keep_or_change_target(pose, stamp,
-                        prices(visibility_map, traversability_.frame().cell(p.x(), p.y())),
+                        prices(visibility_map, traversability_.frame().cell(p.x(), p.y()), pause),
                         *global_plan);
   follow_target(pose, stamp, *global_plan);
 
@@ -578,7 +588,7 @@ std::shared_ptr<const GlobalPlan> FrontierPlanner::update(
   facts.stalled_for = progress_.stalled_for();
   facts.stalled = progress_.stalled();
   if (facts.exhausted && chosen_at_ == stamp) {
-    summarize_unresolved(ground, pose, global_plan->frontiers, facts);
+    summarize_unresolved(ground, pose, global_plan->frontiers, facts, pause);
     facts.cut_off = is_cut_off();
   }
   facts.exhausted_for = exhaustion_.update(stamp, {facts.exhausted, activity.pursued});

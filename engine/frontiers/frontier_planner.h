@@ -147,7 +147,8 @@ class FrontierPlanner {
   /// weighting.
   std::shared_ptr<const GlobalPlan> update(const GroundMap& ground, const Pose& pose, double stamp,
                                            const FrontierActivity& activity = {},
-                                           const FeatureVisibilityMap* visibility_map = nullptr);
+                                           const FeatureVisibilityMap* visibility_map = nullptr,
+                                           const PausePoint& pause = {});
 
   /// Whether what lies at p, in W, is to be seen: within the area, if there is one, and in no
   /// forbidden part of traversability.zones.
@@ -174,16 +175,18 @@ class FrontierPlanner {
     ViewPrice observation;
     PathPrice path;
     const Grid<float>* along = nullptr;  // of CostToGoField
+    PausePoint pause{};
   };
   void take_over(const GroundMap& ground, const Pose& pose, double stamp,
-                 const FrontierActivity& activity);
-  Prices prices(const FeatureVisibilityMap* visibility_map, Cell robot);
+                 const FrontierActivity& activity, const PausePoint& pause);
+  Prices prices(const FeatureVisibilityMap* visibility_map, Cell robot, const PausePoint& pause);
   bool set_goal(int frontier, Cell robot, const Prices& prices);
   void keep_or_change_target(const Pose& pose, double stamp, const Prices& prices,
                              GlobalPlan& global_plan);
   void follow_target(const Pose& pose, double stamp, GlobalPlan& global_plan);
   void close(Cell at, double stamp);
-  void count_along_travel(const FeatureVisibilityMap& visibility_map, Cell robot);
+  void count_along_travel(const FeatureVisibilityMap& visibility_map, Cell robot,
+                          const PausePoint& pause);
   bool is_priced(Cell c) const { return along_travel_.frame.contains(c); }
   int current_target(const std::vector<Frontier>& frontiers) const;
   TargetChange reason_to_choose(const std::vector<Frontier>& frontiers, int current, double stamp);
@@ -193,9 +196,10 @@ class FrontierPlanner {
   bool nothing_farther_leads(const Eigen::Vector2d& robot, const std::vector<Frontier>& frontiers,
                              double limit) const;
   int choose(const std::vector<Frontier>& frontiers, std::optional<int> present, bool alone,
-             const ViewPrice& price, FrontierFacts& facts);
+             const Prices& prices, FrontierFacts& facts);
   void summarize_unresolved(const GroundMap& ground, const Pose& pose,
-                            const std::vector<Frontier>& frontiers, FrontierFacts& facts) const;
+                            const std::vector<Frontier>& frontiers, FrontierFacts& facts,
+                            const PausePoint& pause) const;
   void fail_visit(const std::vector<Frontier>& frontiers, TargetChange why);
   bool is_cut_off() const;
   double path_left() const;

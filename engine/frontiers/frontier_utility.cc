@@ -25,22 +25,24 @@ FrontierUtility::FrontierUtility(const FrontierUtilityOptions& options) : option
 }
 
 void FrontierUtility::map_changed(const GridFrame& frame, const std::vector<Cell>& newly_known,
-                                  const std::vector<Cell>& changed) {
+                                  const std::vector<Cell>& changed, const PausePoint& pause) {
   if (confidence_.data.empty() || !(frame.resolution == confidence_.frame.resolution)) {
-    confidence_ = Grid<float>(frame, 1.0F);
-    range_ = Grid<float>(frame, static_cast<float>(options_.sensor_range));
-    flips_ = Grid<std::uint8_t>(frame, 0);
-    given_up_ = Grid<std::uint8_t>(frame, 0);
+    confidence_ = Grid<float>(frame, 1.0F, pause);
+    range_ = Grid<float>(frame, static_cast<float>(options_.sensor_range), pause);
+    flips_ = Grid<std::uint8_t>(frame, 0, pause);
+    given_up_ = Grid<std::uint8_t>(frame, 0, pause);
     return;
   }
   if (!(frame == confidence_.frame)) {
-    confidence_.widen(frame, 1.0F);
-    range_.widen(frame, static_cast<float>(options_.sensor_range));
-    flips_.widen(frame, std::uint8_t{0});
-    given_up_.widen(frame, std::uint8_t{0});
+    confidence_.widen(frame, 1.0F, pause);
+    range_.widen(frame, static_cast<float>(options_.sensor_range), pause);
+    flips_.widen(frame, std::uint8_t{0}, pause);
+    given_up_.widen(frame, std::uint8_t{0}, pause);
   }
   const int reach = options_.renewal_cells;
+  std::size_t visited = 0;
   const auto visit_near = [&](Cell c, const auto& visit) {
+    if (++visited % 128 == 0) pause();
     for (int j = std::max(c.j - reach, frame.j0);
          j <= std::min(c.j + reach, frame.j0 + frame.height - 1); ++j) {
       for (int i = std::max(c.i - reach, frame.i0);
@@ -70,7 +72,8 @@ void FrontierUtility::map_changed(const GridFrame& frame, const std::vector<Cell
 
 void FrontierUtility::observation(const Grid<std::uint8_t>& see_through,
                                   const std::vector<Frontier>& frontiers, const Pose& pose,
-                                  double stamp, std::optional<Cell> seen_from_here) {
+                                  double stamp, std::optional<Cell> seen_from_here,
+                                  const PausePoint& pause) {
   const Eigen::Vector2d eye = pose.position.head<2>();
   if (!eye.allFinite() || !std::isfinite(pose.yaw) || !std::isfinite(stamp)) return;
   if (last_observation_ && stamp >= *last_observation_ &&
@@ -82,6 +85,7 @@ void FrontierUtility::observation(const Grid<std::uint8_t>& see_through,
   const double half = 0.5 * options_.sensor_fov - options_.fov_margin;
   const Eigen::Vector2d ahead(std::cos(pose.yaw), std::sin(pose.yaw));
   for (const Frontier& frontier : frontiers) {
+    pause();
     for (const Cell c : frontier.cells) {
       const Eigen::Vector2d to = see_through.frame.center(c) - eye;
       if (to.squaredNorm() > range * range) continue;
@@ -121,7 +125,7 @@ void FrontierUtility::view_ranges(const Frontier& frontier, std::vector<float>& 
 }
 
 void FrontierUtility::measure(const Traversability& traversability,
-                              std::vector<Frontier>& frontiers) {
+                              std::vector<Frontier>& frontiers, const PausePoint& pause) {
   const double r = traversability.frame().resolution;
   constexpr double kSwept = 1.0;  // [rad] that a robot turns while it looks, at least
   const double view =
@@ -138,7 +142,7 @@ void FrontierUtility::measure(const Traversability& traversability,
     }
     confidence /= static_cast<double>(f.cells.size());
     f.confidence = confidence;
-    f.expected_gain = std::min(view, r * r * count(traversability, f));
+    f.expected_gain = std::min(view, r * r * count(traversability, f, pause));
     f.area = yield(f.expected_gain) * confidence * f.expected_gain;
   }
 }
@@ -156,7 +160,8 @@ void FrontierUtility::learn(double expected_gain, double expected, double shown)
   y += kNewest * (std::clamp(shown / expected, 0.05, 1.0) - y);
 }
 
-int FrontierUtility::count(const Traversability& traversability, const Frontier& frontier) {
+int FrontierUtility::count(const Traversability& traversability, const Frontier& frontier,
+                           const PausePoint& pause) {
   const double r = traversability.frame().resolution;
   const double opening = std::min(options_.opening, traversability.clearance_limit());
   const int steps = static_cast<int>(std::floor(options_.depth / r + 1e-9));
@@ -183,6 +188,7 @@ int FrontierUtility::count(const Traversability& traversability, const Frontier&
   std::size_t next = 0;
   for (int step = 0; step < steps && next < queue_.size(); ++step) {
     for (const std::size_t end = queue_.size(); next < end; ++next) {
+      if (next % 256 == 0) pause();
       const Cell c = queue_[next];
       visit({c.i + 1, c.j});
       visit({c.i - 1, c.j});

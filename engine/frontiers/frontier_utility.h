@@ -81,14 +81,14 @@ class FrontierUtility {
   /// whose state changed; both in `frame`, to which the memory is brought (it may grow, not
   /// shrink).
   void map_changed(const GridFrame& frame, const std::vector<Cell>& newly_known,
-                   const std::vector<Cell>& changed);
+                   const std::vector<Cell>& changed, const PausePoint& pause = {});
 
   /// Counts a look at time `stamp` [s] from `pose` at the frontier cells in view, which are unknown
   /// by definition. see_through: nonzero where sight passes a cell. seen_from_here: a cell to which
   /// a line of sight leads from this place, by whatever line viewpoints are found.
   void observation(const Grid<std::uint8_t>& see_through, const std::vector<Frontier>& frontiers,
                    const Pose& pose, double stamp,
-                   std::optional<Cell> seen_from_here = std::nullopt);
+                   std::optional<Cell> seen_from_here = std::nullopt, const PausePoint& pause = {});
 
   /// A visit failed: those of `cells` within visit_radius of `target` [m, cells of that size].
   void visit_failed(Cell target, const std::vector<Cell>& cells, double resolution);
@@ -110,11 +110,13 @@ class FrontierUtility {
 
   /// Sets Frontier::promise to A_f, trust to the mean of tau, area to E_f, and given_up; 0, 1, 0
   /// and false for those that are not active.
-  void measure(const Traversability& traversability, std::vector<Frontier>& frontiers);
+  void measure(const Traversability& traversability, std::vector<Frontier>& frontiers,
+               const PausePoint& pause = {});
 
  private:
   static std::size_t size_class(double expected_gain);
-  int count(const Traversability& traversability, const Frontier& frontier);
+  int count(const Traversability& traversability, const Frontier& frontier,
+            const PausePoint& pause);
 
   FrontierUtilityOptions options_;
   Grid<float> confidence_;

@@ -77,14 +77,14 @@ void FrontierDetector::make_rays(double resolution) {
   }
 }
 
-void FrontierDetector::relayout(const Traversability& traversability) {
+void FrontierDetector::relayout(const Traversability& traversability, const PausePoint& pause) {
   const GridFrame& frame = traversability.frame();
   const bool restart = traversability.restarted() || label_.data.empty();
   make_rays(frame.resolution);
   if (restart) {
-    label_ = Grid<int>(frame, -1);
-    passable_ = Grid<std::uint8_t>(frame, 0);
-    source_ = Grid<float>(frame, kNoSource);
+    label_ = Grid<int>(frame, -1, pause);
+    passable_ = Grid<std::uint8_t>(frame, 0, pause);
+    source_ = Grid<float>(frame, kNoSource, pause);
     frontiers_.clear();
     pieces_.clear();
     led_.clear();
@@ -92,13 +92,13 @@ void FrontierDetector::relayout(const Traversability& traversability) {
   } else if (frame == label_.frame) {
     return;
   } else {
-    label_.widen(frame, -1);
-    passable_.widen(frame, std::uint8_t{0});
-    source_.widen(frame, kNoSource);
+    label_.widen(frame, -1, pause);
+    passable_.widen(frame, std::uint8_t{0}, pause);
+    source_.widen(frame, kNoSource, pause);
   }
-  best_ = Grid<float>(frame, kNoSource);
-  best_index_ = Grid<int>(frame, -1);
-  piece_at_ = Grid<int>(frame, -1);
+  best_ = Grid<float>(frame, kNoSource, pause);
+  best_index_ = Grid<int>(frame, -1, pause);
+  piece_at_ = Grid<int>(frame, -1, pause);
   // Cells lie in the same tiles as before, but those are numbered anew.
   std::vector<std::vector<Cell>> old;
   old.swap(tile_cells_);
@@ -111,17 +111,25 @@ void FrontierDetector::relayout(const Traversability& traversability) {
   }
 }
 
-void FrontierDetector::update(const Traversability& traversability) {
-  relayout(traversability);
-  find_cells(traversability);
-  cluster();
+void FrontierDetector::update(const Traversability& traversability, const PausePoint& pause) {
+  relayout(traversability, pause);
+  find_cells(traversability, pause);
+  cluster(pause);
 }
 
-void FrontierDetector::find_cells(const Traversability& traversability) {
+void FrontierDetector::find_cells(const Traversability& traversability, const PausePoint& pause) {
   const GridFrame& f = label_.frame;
-  for (const Cell c : traversability.changed_states()) moved_[tile_of(c)].add(c);
+  std::size_t seen = 0;
+  const auto pause_now_and_then = [&] {
+    if (++seen % 1024 == 0) pause();
+  };
+  for (const Cell c : traversability.changed_states()) {
+    pause_now_and_then();
+    moved_[tile_of(c)].add(c);
+  }
   for (const Cell c : traversability.changed_sights()) moved_[tile_of(c)].add(c);
   for (const Cell c : traversability.changed_factors()) {
+    pause_now_and_then();
     const std::uint8_t passable = traversability.passable(c);
     if (passable_[c] == passable) continue;
     passable_[c] = passable;
@@ -131,6 +139,7 @@ void FrontierDetector::find_cells(const Traversability& traversability) {
   // A tile's frontier cells depend on its own cells and on the 4-neighbours of those.
   std::vector<std::uint8_t> again(tile_cells_.size(), 0);
   for (const Cell c : traversability.changed_states()) {
+    pause_now_and_then();
     for (const Cell n :
          {c, Cell{c.i - 1, c.j}, Cell{c.i + 1, c.j}, Cell{c.i, c.j - 1}, Cell{c.i, c.j + 1}}) {
       if (f.contains(n)) again[tile_of(n)] = 1;
@@ -138,6 +147,7 @@ void FrontierDetector::find_cells(const Traversability& traversability) {
   }
   for (std::size_t tile = 0; tile < again.size(); ++tile) {
     if (again[tile] == 0) continue;
+    pause();
     std::vector<Cell>& cells = tile_cells_[tile];
     for (const Cell c : cells) label_[c] = -1;
     cells.clear();
@@ -156,7 +166,7 @@ void FrontierDetector::find_cells(const Traversability& traversability) {
   }
 }
 
-void FrontierDetector::cluster() {
+void FrontierDetector::cluster(const PausePoint& pause) {
   const double r = label_.frame.resolution;
   for (const auto& cells : tile_cells_) {
     for (const Cell c : cells) label_[c] = -2;
@@ -165,6 +175,7 @@ void FrontierDetector::cluster() {
   for (const auto& cells : tile_cells_) {
     for (const Cell seed : cells) {
       if (label_[seed] != -2) continue;
+      pause();
       const int index = static_cast<int>(frontiers_.size());
       Frontier& frontier = frontiers_.emplace_back();
       label_[seed] = index;
@@ -192,7 +203,7 @@ void FrontierDetector::cluster() {
 }
 
 void FrontierDetector::find_viewpoints(const Traversability& traversability,
-                                       const ViewRanges& view_ranges) {
+                                       const ViewRanges& view_ranges, const PausePoint& pause) {
   const double r = label_.frame.resolution;
   const auto farthest = static_cast<float>(options_.sensor_range - options_.range_margin);
   std::vector<Piece> old;
@@ -208,6 +219,7 @@ void FrontierDetector::find_viewpoints(const Traversability& traversability,
   std::vector<Counted> counted;
   std::vector<float> ranges;
   for (std::size_t k = 0; k < frontiers_.size(); ++k) {
+    pause();
     Frontier& frontier = frontiers_[k];
     frontier.ignored_cells = 0;
     frontier.viewpoints = 0;
@@ -241,6 +253,7 @@ void FrontierDetector::find_viewpoints(const Traversability& traversability,
 
   cells_cast_ = 0;
   for (Piece& piece : pieces_) {
+    pause();
     const int k = piece_at_[piece.cells.front()];
     bool valid = k >= 0 && old[static_cast<std::size_t>(k)].cells == piece.cells &&
                  old[static_cast<std::size_t>(k)].ranges == piece.ranges;
@@ -260,7 +273,7 @@ void FrontierDetector::find_viewpoints(const Traversability& traversability,
       piece.entries = std::move(past.entries);
       piece.touched = past.touched;
     } else {
-      cast(traversability, piece);
+      cast(traversability, piece, pause);
       cells_cast_ += static_cast<int>(piece.cells.size());
     }
     Frontier& frontier = frontiers_[static_cast<std::size_t>(piece.frontier)];
@@ -271,13 +284,15 @@ void FrontierDetector::find_viewpoints(const Traversability& traversability,
   std::fill(moved_.begin(), moved_.end(), Rectangle{});
 }
 
-void FrontierDetector::cast(const Traversability& traversability, Piece& piece) {
+void FrontierDetector::cast(const Traversability& traversability, Piece& piece,
+                            const PausePoint& pause) {
   const GridFrame& frame = label_.frame;
   const std::uint8_t* see_through = traversability.see_through().data.data();
   piece.entries.clear();
   piece.touched = {};
   marked_.clear();
   for (std::size_t n = 0; n < piece.cells.size(); ++n) {
+    pause();
     const Cell cell = piece.cells[n];
     piece.touched.add(cell);
     for (const Ray& ray : rays_) {

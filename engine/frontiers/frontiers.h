@@ -88,10 +88,11 @@ class FrontierDetector {
   explicit FrontierDetector(const FrontierOptions& options);
 
   /// Finds the frontier cells and clusters of the map that `traversability` was just updated to.
-  void update(const Traversability& traversability);
+  void update(const Traversability& traversability, const PausePoint& pause = {});
 
   /// Casts viewpoints and sets Frontier::active. ranges: null: all cells count, at full range.
-  void find_viewpoints(const Traversability& traversability, const ViewRanges& ranges = nullptr);
+  void find_viewpoints(const Traversability& traversability, const ViewRanges& ranges = nullptr,
+                       const PausePoint& pause = {});
 
   /// From now on the viewpoints of this frontier alone are sources; -1: there are none.
   /// price: asked of each of them, null: looks cost nothing more.
@@ -155,11 +156,11 @@ class FrontierDetector {
     std::vector<float> distances;  // [m]
     std::vector<float> costs;
   };
-  void relayout(const Traversability& traversability);
+  void relayout(const Traversability& traversability, const PausePoint& pause);
   void make_rays(double resolution);
-  void find_cells(const Traversability& traversability);
-  void cluster();
-  void cast(const Traversability& traversability, Piece& piece);
+  void find_cells(const Traversability& traversability, const PausePoint& pause);
+  void cluster(const PausePoint& pause);
+  void cast(const Traversability& traversability, Piece& piece, const PausePoint& pause);
   int tiles_x() const { return label_.frame.width / GroundMap::kTile; }
   std::size_t tile_of(Cell c) const;
 

@@ -26,6 +26,14 @@ CostToGoOptions unweighted(CostToGoOptions options) {
 
 }  // namespace
 
+void judge_arrival(const Goal& goal, const Pose& pose, bool any_heading, GoalFacts& facts) {
+  const double share = facts.reached ? kLeaves : 1.0;
+  const double turned = goal.yaw ? std::abs(std::remainder(pose.yaw - *goal.yaw, 2.0 * M_PI)) : 0.0;
+  facts.distance = (pose.position.head<2>() - goal.position).norm();
+  facts.reached = facts.distance <= share * goal.position_tolerance &&
+                  (any_heading || turned <= share * goal.yaw_tolerance);
+}
+
 GoalPlanner::GoalPlanner(const GoalPlannerOptions& options, const Goal& goal, double unknown_price)
     : options_(options),
       goal_(goal),
@@ -38,19 +46,19 @@ GoalPlanner::GoalPlanner(const GoalPlannerOptions& options, const Polygon& area,
   area_ = area;
 }
 
-void GoalPlanner::solve(Cell robot) {
+void GoalPlanner::solve(Cell robot, const PausePoint& pause) {
   const GridFrame& frame = traversability_.frame();
   if (area_) {
-    sources_.emplace(traversability_, *area_);
-    field_.solve_from_scratch(traversability_, *sources_, robot);
+    sources_.emplace(traversability_, *area_, pause);
+    field_.solve_from_scratch(traversability_, *sources_, robot, pause);
     return;
   }
   const double reach = std::max(goal_.position_tolerance, 0.75 * frame.resolution);
   const GoalSources sources(frame, goal_.position, reach, traversability_.options().unknown_travel);
   if (frame == solved_) {
-    field_.update(traversability_, sources, robot);
+    field_.update(traversability_, sources, robot, pause);
   } else {
-    field_.solve_from_scratch(traversability_, sources, robot);
+    field_.solve_from_scratch(traversability_, sources, robot, pause);
     solved_ = frame;
   }
 }
@@ -105,7 +113,6 @@ double GoalPlanner::beyond_end(const Path& path) const {
 
 void GoalPlanner::update_reached(const Pose& pose, double stamp, const FrontierActivity& activity) {
   if (area_) return;
-  const double share = facts_.reached ? kLeaves : 1.0;
   facts_.distance = (pose.position.head<2>() - goal_.position).norm();
   const double turned =
       goal_.yaw ? std::abs(std::remainder(pose.yaw - *goal_.yaw, 2.0 * M_PI)) : 0.0;
@@ -114,8 +121,7 @@ void GoalPlanner::update_reached(const Pose& pose, double stamp, const FrontierA
     heading_.update(stamp, there, turned, {activity.pursued, activity.got_lost});
   }
   const bool any_heading = heading_.verdict() != HeadingMonitor::Verdict::kOpen;
-  facts_.reached = facts_.distance <= share * goal_.position_tolerance &&
-                   (any_heading || turned <= share * goal_.yaw_tolerance);
+  judge_arrival(goal_, pose, any_heading, facts_);
   facts_.heading_missed.reset();
   if (any_heading && turned > goal_.yaw_tolerance) facts_.heading_missed = turned;
   facts_.heading_why = heading_.verdict() == HeadingMonitor::Verdict::kGetsLost
@@ -156,7 +162,8 @@ std::string GoalPlanner::why_not_there() const {
                    traversability_.clearance(c), room);
 }
 
-std::string GoalPlanner::why_unreachable(const GroundMap& ground, const Pose& pose) const {
+std::string GoalPlanner::why_unreachable(const GroundMap& ground, const Pose& pose,
+                                         const PausePoint& pause) const {
   if (const std::string why = why_not_there(); !why.empty()) return why;
   if (options_.traversability.zones != nullptr) {
     // Whether there would be a path without the zones, and into which it leads first.
@@ -165,7 +172,7 @@ std::string GoalPlanner::why_unreachable(const GroundMap& ground, const Pose& po
     const double price = traversability_.options().unknown_travel;
     GoalPlanner without =
         area_ ? GoalPlanner(free, *area_, price) : GoalPlanner(free, goal_, price);
-    without.update(ground, pose, 0.0, {});
+    without.update(ground, pose, 0.0, {}, pause);
     if (!without.facts_.unreachable) {
       const ZoneMap& zones = *options_.traversability.zones;
       for (const Cell c : without.path().cells) {
@@ -187,13 +194,14 @@ std::string GoalPlanner::why_unreachable(const GroundMap& ground, const Pose& po
 
 std::shared_ptr<const GlobalPlan> GoalPlanner::update(const GroundMap& ground, const Pose& pose,
                                                       double stamp,
-                                                      const FrontierActivity& activity) {
+                                                      const FrontierActivity& activity,
+                                                      const PausePoint& pause) {
   Stopwatch watch;
   if (!traversability_.continues(ground)) {
     traversability_ = Traversability(traversability_.options());
     solved_ = {};
   }
-  traversability_.update(ground);
+  traversability_.update(ground, nullptr, pause);
   const GridFrame& frame = traversability_.frame();
   const Eigen::Vector2d p = pose.position.head<2>();
   const Cell robot = frame.cell(p.x(), p.y());
@@ -201,7 +209,7 @@ std::shared_ptr<const GlobalPlan> GoalPlanner::update(const GroundMap& ground, c
     const std::optional<Cell> at = held_up_at(frame, p, *activity.blocked);
     if (at) traversability_.close(*at, kHeldUpRadius);
   }
-  solve(robot);
+  solve(robot, pause);
   const double explored = traversability_.explored_area();
   update_reached(pose, stamp, activity);
 
@@ -222,7 +230,7 @@ std::shared_ptr<const GlobalPlan> GoalPlanner::update(const GroundMap& ground, c
                     activity.pursued && !facts_.reached && !there);
     if (monitor_.hopeless()) {
       close_on(found);
-      solve(robot);
+      solve(robot, pause);
       observation();
       if (!found.cells.empty()) {
         monitor_.update(stamp, p, facts_.path_left, explored, activity.pursued);
@@ -237,7 +245,7 @@ std::shared_ptr<const GlobalPlan> GoalPlanner::update(const GroundMap& ground, c
     facts_.why.clear();
   } else if (!unreachable_since_ || stamp < *unreachable_since_) {
     unreachable_since_ = stamp;
-    facts_.why = why_unreachable(ground, pose);
+    facts_.why = why_unreachable(ground, pose, pause);
   }
   facts_.unreachable_for = unreachable_since_ ? stamp - *unreachable_since_ : 0.0;
   facts_.near =

@@ -26,6 +26,10 @@ struct GoalPlannerOptions {
   CostToGoOptions cost_to_go;  ///< lambda does not count
 };
 
+/// GoalFacts::distance and reached, as of a pose; `facts` as of the step before. any_heading: that
+/// of the goal cannot be had.
+void judge_arrival(const Goal& goal, const Pose& pose, bool any_heading, GoalFacts& facts);
+
 /// The path to a place, or to what is unknown of an area (area_sources.h), from one planning step
 /// to the next: what the FrontierPlanner is for frontiers.
 ///
@@ -64,7 +68,8 @@ class GoalPlanner {
   /// time since the last update; a disc in the direction in which the robot is blocked is
   /// impassable from now on. `looked` does not count.
   std::shared_ptr<const GlobalPlan> update(const GroundMap& ground, const Pose& pose, double stamp,
-                                           const FrontierActivity& activity);
+                                           const FrontierActivity& activity,
+                                           const PausePoint& pause = {});
   /// Its time without progress begins anew: it had something else to do.
   void resume() { monitor_.restart(); }
 
@@ -81,13 +86,14 @@ class GoalPlanner {
     double length = 0.0;      // [m]
     double unknown = 0.0;     // [m] of it
   };
-  void solve(Cell robot);
+  void solve(Cell robot, const PausePoint& pause);
   Path path() const;
   double beyond_end(const Path& path) const;
   void close_on(const Path& path);
   void update_reached(const Pose& pose, double stamp, const FrontierActivity& activity);
   std::string why_not_there() const;
-  std::string why_unreachable(const GroundMap& ground, const Pose& pose) const;
+  std::string why_unreachable(const GroundMap& ground, const Pose& pose,
+                              const PausePoint& pause) const;
   GlobalPlan plan_along(const Path& path, const Pose& pose) const;
 
   GoalPlannerOptions options_;

@@ -19,13 +19,15 @@ CostToGoOptions plain() {
 }  // namespace
 
 KnownPaths::KnownPaths(const GroundMap& ground, const Pose& pose,
-                       const TraversabilityOptions& options, const Eigen::Vector2d& place)
+                       const TraversabilityOptions& options, const Eigen::Vector2d& place,
+                       const PausePoint& pause)
     : traversability_(options), field_(plain()) {
-  traversability_.update(ground, &pose);
+  traversability_.update(ground, &pose, pause);
   const GridFrame& frame = traversability_.frame();
   const bool stands = traversability_.passable(frame.cell(place.x(), place.y()));
   const double radius = stands ? 0.75 * frame.resolution : kNear;
-  field_.solve_from_scratch(traversability_, GoalSources(frame, place, radius, 1.0), kNowhere);
+  field_.solve_from_scratch(traversability_, GoalSources(frame, place, radius, 1.0), kNowhere,
+                            pause);
 }
 
 double KnownPaths::length_near(const Eigen::Vector2d& p) const {

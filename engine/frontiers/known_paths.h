@@ -20,7 +20,7 @@ class KnownPaths {
  public:
   /// place: in W [m]; pose: of the body, whose reach counts if its heading matters.
   KnownPaths(const GroundMap& ground, const Pose& pose, const TraversabilityOptions& options,
-             const Eigen::Vector2d& place);
+             const Eigen::Vector2d& place, const PausePoint& pause = {});
 
   /// [m of path equivalent] from a cell; +infinity: there is no path.
   double length(Cell c) const { return field_.value(c); }

@@ -32,7 +32,7 @@ void PathLengths::refresh(Cell block, const Grid<float>& fine) {
   joined_[block] = joined;
 }
 
-void PathLengths::update(const Traversability& traversability) {
+void PathLengths::update(const Traversability& traversability, const PausePoint& pause) {
   const Grid<float>& fine = traversability.factors();
   // One block more on every side: all neighbours exist.
   GridFrame blocks = frame_of_blocks(fine.frame, kSide);
@@ -41,15 +41,20 @@ void PathLengths::update(const Traversability& traversability) {
   blocks.width += 2;
   blocks.height += 2;
   if (traversability.restarted() || factor_.data.empty()) {
-    factor_ = Grid<float>(blocks, 0.0F);
-    joined_ = Grid<std::uint8_t>(blocks, 0);
-    for (int n = 0; n < blocks.size(); ++n) refresh(blocks.at(n), fine);
+    factor_ = Grid<float>(blocks, 0.0F, pause);
+    joined_ = Grid<std::uint8_t>(blocks, 0, pause);
+    for (int n = 0; n < blocks.size(); ++n) {
+      if (n % 256 == 0) pause();
+      refresh(blocks.at(n), fine);
+    }
   } else {
     if (!(blocks == factor_.frame)) {
-      factor_.widen(blocks, 0.0F);
-      joined_.widen(blocks, std::uint8_t{0});
+      factor_.widen(blocks, 0.0F, pause);
+      joined_.widen(blocks, std::uint8_t{0}, pause);
     }
+    std::size_t refreshed = 0;
     for (const Cell c : traversability.changed_factors()) {
+      if (++refreshed % 256 == 0) pause();
       const Cell block = block_of(c);
       refresh(block, fine);
       // Whether a neighbour below is joined to it depends on its lowest cells.
@@ -96,8 +101,9 @@ void PathLengths::begin_at_robot(const Traversability& traversability, Cell robo
   }
 }
 
-void PathLengths::extend(double limit, const PathPrice& price) {
-  spread(limit, price, [](Cell, double) { return false; });
+void PathLengths::extend(double limit, const PathPrice& price, const PausePoint& pause) {
+  spread(
+      limit, price, [](Cell, double) { return false; }, pause);
 }
 
 double PathLengths::at(const std::vector<double>& values, Cell c) const {

@@ -35,13 +35,13 @@ class PathLengths {
   static constexpr double kSettingOut = 1.0;  // [m] that tell the direction of a path
 
   /// Takes over what is passable, after each traversability.update().
-  void update(const Traversability& traversability);
+  void update(const Traversability& traversability, const PausePoint& pause = {});
 
   /// The lengths from the block of `from`, as far as `limit` [m of path equivalent], and until
   /// enough(block, length) is true, asked of each block when its length is known; nowhere, if that
   /// block is not passable.
   template <typename Enough>
-  void flood(Cell from, double limit, const Enough& enough);
+  void flood(Cell from, double limit, const Enough& enough, const PausePoint& pause = {});
   void flood(Cell from, double limit = std::numeric_limits<double>::infinity()) {
     flood(from, limit, [](Cell, double) { return false; });
   }
@@ -49,7 +49,7 @@ class PathLengths {
   /// without occupied cells joins to it, as CostToGoField does, at ten times the distance to them.
   void begin_at_robot(const Traversability& traversability, Cell robot);
   /// Goes on as far as `limit`. price: a metre costs 1 + price times as much; null: no more.
-  void extend(double limit, const PathPrice& price = nullptr);
+  void extend(double limit, const PathPrice& price = nullptr, const PausePoint& pause = {});
 
   /// Block that holds a cell.
   static Cell block_of(Cell c) { return {floor_divide(c.i, kSide), floor_divide(c.j, kSide)}; }
@@ -69,7 +69,7 @@ class PathLengths {
   void reach(int block, double length, double unpriced, int setting_out);
   void refresh(Cell block, const Grid<float>& fine);
   template <typename Enough>
-  void spread(double limit, const PathPrice& price, const Enough& enough);
+  void spread(double limit, const PathPrice& price, const Enough& enough, const PausePoint& pause);
 
   Grid<float> factor_;          // 0: impassable
   Grid<std::uint8_t> joined_;   // bit 1: to the right neighbour, bit 2: to the upper one
@@ -82,16 +82,17 @@ class PathLengths {
 };
 
 template <typename Enough>
-void PathLengths::flood(Cell from, double limit, const Enough& enough) {
+void PathLengths::flood(Cell from, double limit, const Enough& enough, const PausePoint& pause) {
   begin(from);
   if (factor_.get(start_, 0.0F) == 0.0F) return;
   const int first = factor_.frame.index(start_);
   reach(first, 0.0, 0.0, first);
-  spread(limit, nullptr, enough);
+  spread(limit, nullptr, enough, pause);
 }
 
 template <typename Enough>
-void PathLengths::spread(double limit, const PathPrice& price, const Enough& enough) {
+void PathLengths::spread(double limit, const PathPrice& price, const Enough& enough,
+                         const PausePoint& pause) {
   const GridFrame& f = factor_.frame;
   const int up = f.width;
   const auto joined = [&](int a, int bit) {
@@ -103,7 +104,9 @@ void PathLengths::spread(double limit, const PathPrice& price, const Enough& eno
     if (di < 0) return joined(a - 1, 1);
     return dj > 0 ? joined(a, 2) : joined(a - up, 2);
   };
+  std::size_t blocks = 0;
   while (!queue_.empty()) {
+    if (++blocks % 64 == 0) pause();
     const auto [length, index] = queue_.top();
     if (length > limit) break;
     queue_.pop();

@@ -65,8 +65,7 @@ KnownExtent::Rectangle KnownExtent::main_cluster() const {
 GridFrame KnownExtent::frame(double resolution) const {
   if (!all_) return {resolution, 0, 0, 0, 0};
   const long long known = static_cast<long long>(blocks_.size()) * kBlock * kBlock;
-  const Rectangle kept =
-      all_->cells() > std::max(kAlways, kTimes * known) ? main_cluster() : *all_;
+  const Rectangle kept = all_->cells() > std::max(kAlways, kTimes * known) ? main_cluster() : *all_;
   return {resolution, static_cast<int>(kept.i0), static_cast<int>(kept.j0),
           static_cast<int>(kept.i1 - kept.i0 + 1), static_cast<int>(kept.j1 - kept.j0 + 1)};
 }

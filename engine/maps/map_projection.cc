@@ -127,7 +127,8 @@ VoxelGrid voxels_from_octree(const octomap::OcTree& octree, double z_min, double
     const int k_from = std::max(box.low[2], k_low);
     const int k_to = std::min(box.low[2] + box.size, k_end);
     if (k_from >= k_to) continue;
-    const GridFrame leaf_cells = intersection(frame, {r, box.low[0], box.low[1], box.size, box.size});
+    const GridFrame leaf_cells =
+        intersection(frame, {r, box.low[0], box.low[1], box.size, box.size});
     for (int j = leaf_cells.j0; j < leaf_cells.j0 + leaf_cells.height; ++j) {
       for (int i = leaf_cells.i0; i < leaf_cells.i0 + leaf_cells.width; ++i) {
         for (int k = k_from; k < k_to; ++k) voxels.set(i, j, k, state);

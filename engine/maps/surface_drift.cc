@@ -46,8 +46,7 @@ void SurfaceDrift::cover(Cell c) {
   constexpr int kMargin = 64;
   const GridFrame& old = variance_seen_.frame;
   const GridFrame room = intersection(
-      map_frame_,
-      {old.resolution, c.i - kMargin, c.j - kMargin, 2 * kMargin + 1, 2 * kMargin + 1});
+      map_frame_, {old.resolution, c.i - kMargin, c.j - kMargin, 2 * kMargin + 1, 2 * kMargin + 1});
   const GridFrame wider = old.width > 0 ? frame_around_both(old, room) : room;
   variance_seen_.widen(wider, kNeverSeen);
   in_view_.widen(wider, 0);

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "engine/maps/known_extent.h"
 #include "models/knobs.h"
 #include "models/parameter_check.h"
 
@@ -64,7 +65,7 @@ Traversability::Traversability(const TraversabilityOptions& options) : options_(
                   o.top_speed, "more than 0, below 1000 m/s");
 }
 
-void Traversability::restart(const GridFrame& frame) {
+void Traversability::restart(const GridFrame& frame, const PausePoint& pause) {
   const double r = frame.resolution;
   hard_sq_ = least_square(options_.hard_radius - options_.lattice_slack, r);
   comfortable_sq_ = least_square(options_.comfortable_radius - options_.lattice_slack, r);
@@ -76,12 +77,12 @@ void Traversability::restart(const GridFrame& frame) {
   limit_sq_ = std::max(comfortable_sq_, least_square(options_.comfortable_radius, r));
   reach_ = 1;
   while (axis_square(reach_) < limit_sq_) ++reach_;
-  state_ = Grid<CellState>(frame, CellState::kUnknown);
-  see_through_ = Grid<std::uint8_t>(frame, 0);
-  closed_ = Grid<std::uint8_t>(frame, 0);
-  occupied_sq_ = Grid<std::int32_t>(frame, limit_sq_);
-  unknown_sq_ = Grid<std::int32_t>(frame, 0);
-  factor_ = Grid<float>(frame, 0.0F);
+  state_ = Grid<CellState>(frame, CellState::kUnknown, pause);
+  see_through_ = Grid<std::uint8_t>(frame, 0, pause);
+  closed_ = Grid<std::uint8_t>(frame, 0, pause);
+  occupied_sq_ = Grid<std::int32_t>(frame, limit_sq_, pause);
+  unknown_sq_ = Grid<std::int32_t>(frame, 0, pause);
+  factor_ = Grid<float>(frame, 0.0F, pause);
   if (options_.body) {
     const double room =
         options_.hard_radius - options_.lattice_slack - circumscribed_radius(*options_.body);
@@ -97,32 +98,32 @@ void Traversability::restart(const GridFrame& frame) {
   }
   forbidden_sq_ = {};
   slowness_ = {};
-  lay_zones();
+  lay_zones(pause);
   explored_cells_ = 0;
   fresh_ = false;
   restarted_ = true;
 }
 
-void Traversability::widen(const GridFrame& frame) {
+void Traversability::widen(const GridFrame& frame, const PausePoint& pause) {
   const GridFrame old = state_.frame;
-  state_.widen(frame, CellState::kUnknown);
-  see_through_.widen(frame, std::uint8_t{0});
-  closed_.widen(frame, std::uint8_t{0});
-  occupied_sq_.widen(frame, limit_sq_);
-  unknown_sq_.widen(frame, 0);
-  factor_.widen(frame, 0.0F);
+  state_.widen(frame, CellState::kUnknown, pause);
+  see_through_.widen(frame, std::uint8_t{0}, pause);
+  closed_.widen(frame, std::uint8_t{0}, pause);
+  occupied_sq_.widen(frame, limit_sq_, pause);
+  unknown_sq_.widen(frame, 0, pause);
+  factor_.widen(frame, 0.0F, pause);
   if (fit_ != nullptr) {
     headings_.widen(frame, kNoHeading);
     usable_.widen(frame, kNoHeading);
   }
-  lay_zones();
+  lay_zones(pause);
   // The cells beyond the old rim are unknown, hence at distance 0 of unknown and impassable, but
   // they may lie near occupied cells within it.
   const int i1 = old.i0 + old.width - 1, j1 = old.j0 + old.height - 1;
-  transform(within({old.i0 - reach_, old.j0 - reach_, i1 + reach_, old.j0 - 1}, 0), false);
-  transform(within({old.i0 - reach_, j1 + 1, i1 + reach_, j1 + reach_}, 0), false);
-  transform(within({old.i0 - reach_, old.j0, old.i0 - 1, j1}, 0), false);
-  transform(within({i1 + 1, old.j0, i1 + reach_, j1}, 0), false);
+  transform(within({old.i0 - reach_, old.j0 - reach_, i1 + reach_, old.j0 - 1}, 0), false, pause);
+  transform(within({old.i0 - reach_, j1 + 1, i1 + reach_, j1 + reach_}, 0), false, pause);
+  transform(within({old.i0 - reach_, old.j0, old.i0 - 1, j1}, 0), false, pause);
+  transform(within({i1 + 1, old.j0, i1 + reach_, j1}, 0), false, pause);
 }
 
 Traversability::Rectangle Traversability::within(Rectangle cells, int margin) const {
@@ -134,7 +135,7 @@ Traversability::Rectangle Traversability::within(Rectangle cells, int margin) co
 
 // Separable: along rows the distance to the nearest target cell, then along columns the least sum
 // of squares. Both only as far as the limit reaches.
-void Traversability::transform(Rectangle cells, bool unknown) {
+void Traversability::transform(Rectangle cells, bool unknown, const PausePoint& pause) {
   if (cells.empty() || cells.j1 < cells.j0) return;
   const GridFrame& f = state_.frame;
   const int width = cells.i1 - cells.i0 + 1;
@@ -142,6 +143,7 @@ void Traversability::transform(Rectangle cells, bool unknown) {
   const std::int32_t far = limit_sq_;
   scratch_.assign(static_cast<std::size_t>(width) * static_cast<std::size_t>(row1 - row0 + 1), far);
   for (int j = row0; j <= row1; ++j) {
+    pause();
     std::int32_t* row = scratch_.data() + static_cast<std::ptrdiff_t>(j - row0) * width;
     if (j < f.j0 || j >= f.j0 + f.height) {
       if (unknown) std::fill(row, row + width, 0);
@@ -169,6 +171,7 @@ void Traversability::transform(Rectangle cells, bool unknown) {
   Grid<std::int32_t>& out = unknown ? unknown_sq_ : occupied_sq_;
   const bool zones = !unknown && !forbidden_sq_.data.empty();
   for (int j = cells.j0; j <= cells.j1; ++j) {
+    pause();
     std::int32_t* to = &out[{cells.i0, j}];
     if (zones) {
       std::copy_n(&forbidden_sq_[{cells.i0, j}], width, to);
@@ -198,9 +201,10 @@ HeadingMask Traversability::facing(double direction) const {
 }
 
 // The reach may change anywhere.
-void Traversability::refresh_usable() {
+void Traversability::refresh_usable(const PausePoint& pause) {
   const std::vector<HeadingMask>& now = confined_ ? reach_of_body_.reached().data : headings_.data;
   for (std::size_t n = 0; n < now.size(); ++n) {
+    if (n % 4096 == 0) pause();
     if (now[n] == usable_.data[n]) continue;
     usable_.data[n] = now[n];
     changed_headings_.push_back(state_.frame.at(static_cast<int>(n)));
@@ -222,9 +226,10 @@ HeadingMask Traversability::fitting(Cell c) const {
   return ~barred;
 }
 
-void Traversability::refresh_headings(const Rectangle& cells) {
+void Traversability::refresh_headings(const Rectangle& cells, const PausePoint& pause) {
   if (fit_ == nullptr) return;
   for (int j = cells.j0; j <= cells.j1; ++j) {
+    pause();
     for (int i = cells.i0; i <= cells.i1; ++i) {
       const bool may_stand = state_[{i, j}] == CellState::kFree && closed_[{i, j}] == 0;
       headings_[{i, j}] = may_stand ? fitting({i, j}) : kNoHeading;
@@ -241,7 +246,7 @@ void Traversability::refresh_reach(const Pose& pose) {
   confined_ = reach_of_body_.started();
 }
 
-void Traversability::refresh_factors(const Rectangle& cells) {
+void Traversability::refresh_factors(const Rectangle& cells, const PausePoint& pause) {
   const auto narrow = static_cast<float>(options_.narrow_factor);
   const auto tight = static_cast<float>(options_.tight_factor);
   const auto near = static_cast<float>(options_.unknown_factor);
@@ -251,6 +256,7 @@ void Traversability::refresh_factors(const Rectangle& cells) {
     return c.i > f.i0 && c.j > f.j0 && c.i + 1 < f.i0 + f.width && c.j + 1 < f.j0 + f.height;
   };
   for (int j = cells.j0; j <= cells.j1; ++j) {
+    pause();
     for (int i = cells.i0; i <= cells.i1; ++i) {
       const auto at = static_cast<std::size_t>(state_.frame.index({i, j}));
       float factor = 0.0F;
@@ -276,7 +282,7 @@ void Traversability::refresh_factors(const Rectangle& cells) {
 }
 
 // Where the frame is new: the distances to forbidden parts and the prices of slow zones.
-void Traversability::lay_zones() {
+void Traversability::lay_zones(const PausePoint& pause) {
   if (options_.zones == nullptr) return;
   const ZoneMap& zones = *options_.zones;
   const GridFrame& f = state_.frame;
@@ -289,6 +295,7 @@ void Traversability::lay_zones() {
     slowness_.widen(f, 1.0F);
   }
   for (int n = 0; n < f.size(); ++n) {
+    if (n % 256 == 0) pause();
     const Cell c = f.at(n);
     if (old.width > 0 && old.contains(c)) continue;
     const auto at = static_cast<std::size_t>(n);
@@ -330,6 +337,18 @@ void Traversability::shut(Cell c, double radius, int times) {
 
 GridFrame Traversability::with_rim(const GroundMap& ground) {
   GridFrame frame = ground.frame();
+  if (std::int64_t{frame.width} * frame.height > KnownExtent::kAlways) {
+    KnownExtent known;
+    for (int ty = 0; ty < ground.tiles_y(); ++ty) {
+      for (int tx = 0; tx < ground.tiles_x(); ++tx) {
+        if (ground.tile_revision(tx, ty) == 0) continue;
+        const GridFrame tile = ground.tile_frame(tx, ty);
+        known.add(tile.i0, tile.j0, tile.i0 + tile.width - 1, tile.j0 + tile.height - 1);
+      }
+    }
+    const GridFrame extent = known.frame(frame.resolution);
+    if (extent.width > 0) frame = extent;
+  }
   frame.i0 -= GroundMap::kTile;
   frame.j0 -= GroundMap::kTile;
   frame.width += 2 * GroundMap::kTile;
@@ -358,7 +377,41 @@ bool Traversability::as_before(const GroundMap& ground, Cell tile) const {
   return true;
 }
 
-void Traversability::update(const GroundMap& ground, const Pose* pose) {
+// Neighbouring rectangles overlap once widened by the influence radius; joining them where that
+// costs no area avoids computing the overlap twice.
+void Traversability::join(std::vector<Rectangle>& list, const PausePoint& pause) {
+  // A map that has moved: all of it.
+  Rectangle all{0, 0, -1, -1};
+  std::int64_t area = 0;
+  for (const Rectangle& cells : list) {
+    all.add(cells.i0, cells.j0);
+    all.add(cells.i1, cells.j1);
+    area += cells.area();
+  }
+  if (!list.empty() && all.area() <= area) {
+    list.assign(1, all);
+    return;
+  }
+  constexpr std::size_t kAhead = 100;  // of a long list those that follow are near
+  for (std::size_t a = 0; a < list.size(); ++a) {
+    pause();
+    for (std::size_t b = a + 1; b < std::min(list.size(), a + kAhead);) {
+      Rectangle both = list[a];
+      both.add(list[b].i0, list[b].j0);
+      both.add(list[b].i1, list[b].j1);
+      if (both.area() <= list[a].area() + list[b].area()) {
+        list[a] = both;
+        list[b] = list.back();
+        list.pop_back();
+        b = a + 1;
+      } else {
+        ++b;
+      }
+    }
+  }
+}
+
+void Traversability::update(const GroundMap& ground, const Pose* pose, const PausePoint& pause) {
   changed_states_.clear();
   newly_known_.clear();
   changed_sights_.clear();
@@ -369,9 +422,9 @@ void Traversability::update(const GroundMap& ground, const Pose* pose) {
   const std::optional<GridFrame> both = fresh_ ? std::nullopt : frame_of_both(needed, state_.frame);
   const bool reframed = !both || !(*both == state_.frame);
   if (!both) {
-    restart(needed);
+    restart(needed, pause);
   } else if (reframed) {
-    widen(*both);
+    widen(*both, pause);
   }
 
   // What changed, as one rectangle a tile: of cells that became or ceased to be occupied, likewise
@@ -379,8 +432,10 @@ void Traversability::update(const GroundMap& ground, const Pose* pose) {
   std::vector<Rectangle> occupied, unknown;
   const GridFrame& f = state_.frame;
   for (int j0 = f.j0; j0 < f.j0 + f.height; j0 += GroundMap::kTile) {
+    pause();
     for (int i0 = f.i0; i0 < f.i0 + f.width; i0 += GroundMap::kTile) {
       if (as_before(ground, {i0, j0})) continue;
+      pause();
       Rectangle o{0, 0, -1, -1}, u{0, 0, -1, -1};
       for (int j = j0; j < j0 + GroundMap::kTile; ++j) {
         for (int i = i0; i < i0 + GroundMap::kTile; ++i) {
@@ -405,42 +460,23 @@ void Traversability::update(const GroundMap& ground, const Pose* pose) {
     }
   }
 
-  // Neighbouring rectangles overlap once widened by the influence radius; joining them where that
-  // costs no area avoids computing the overlap twice.
-  const auto join = [](std::vector<Rectangle>& list) {
-    for (std::size_t a = 0; a < list.size(); ++a) {
-      for (std::size_t b = a + 1; b < list.size();) {
-        Rectangle both = list[a];
-        both.add(list[b].i0, list[b].j0);
-        both.add(list[b].i1, list[b].j1);
-        if (both.area() <= list[a].area() + list[b].area()) {
-          list[a] = both;
-          list[b] = list.back();
-          list.pop_back();
-          b = a + 1;
-        } else {
-          ++b;
-        }
-      }
-    }
-  };
-  join(occupied);
-  join(unknown);
-  for (const Rectangle& cells : occupied) transform(cells, false);
-  for (const Rectangle& cells : unknown) transform(cells, true);
+  join(occupied, pause);
+  join(unknown, pause);
+  for (const Rectangle& cells : occupied) transform(cells, false, pause);
+  for (const Rectangle& cells : unknown) transform(cells, true, pause);
   // Free to occupied and unknown to free are covered by one of the two lists; so is every change.
   if (fit_ != nullptr) {
-    for (const Rectangle& cells : occupied) refresh_headings(cells);
-    for (const Rectangle& cells : unknown) refresh_headings(cells);
+    for (const Rectangle& cells : occupied) refresh_headings(cells, pause);
+    for (const Rectangle& cells : unknown) refresh_headings(cells, pause);
     confined_ = false;
     if (pose != nullptr) refresh_reach(*pose);
-    refresh_usable();
+    refresh_usable(pause);
   }
-  for (const Rectangle& cells : occupied) refresh_factors(cells);
-  for (const Rectangle& cells : unknown) refresh_factors(cells);
+  for (const Rectangle& cells : occupied) refresh_factors(cells, pause);
+  for (const Rectangle& cells : unknown) refresh_factors(cells, pause);
   for (const Cell c : changed_headings_) refresh_factors({c.i, c.j, c.i, c.j});
   if (options_.unknown_travel > 0.0 && reframed) {
-    refresh_factors({f.i0, f.j0, f.i0 + f.width - 1, f.j0 + f.height - 1});
+    refresh_factors({f.i0, f.j0, f.i0 + f.width - 1, f.j0 + f.height - 1}, pause);
   }
 }
 

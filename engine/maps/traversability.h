@@ -93,7 +93,7 @@ class Traversability {
 
   /// Brings the clearances up to `ground`. Where it continues() the last map, only what differs is
   /// computed; else all. pose: of the body now, finite; of use only if its heading matters.
-  void update(const GroundMap& ground, const Pose* pose = nullptr);
+  void update(const GroundMap& ground, const Pose* pose = nullptr, const PausePoint& pause = {});
   /// Whether `ground` can be a later state of the last map (frame_of_both()), or is the first.
   bool continues(const GroundMap& ground) const;
 
@@ -120,7 +120,7 @@ class Traversability {
 
   /// Holds the map at the last update and one tile more on every side, all unknown: frontier cells
   /// just beyond the map have an address in it, and its outermost cells are impassable. Larger if
-  /// the map was.
+  /// the map was. Of a map of more than KnownExtent::kAlways cells it holds what is known of it.
   const GridFrame& frame() const { return state_.frame; }
   CellState state(Cell c) const { return state_.get(c, CellState::kUnknown); }
   const Grid<CellState>& states() const { return state_; }
@@ -166,17 +166,18 @@ class Traversability {
   };
   static GridFrame with_rim(const GroundMap& ground);
   bool as_before(const GroundMap& ground, Cell tile) const;
-  void restart(const GridFrame& frame);
-  void widen(const GridFrame& frame);
-  void transform(Rectangle cells, bool unknown);
-  void refresh_factors(const Rectangle& cells);
+  void restart(const GridFrame& frame, const PausePoint& pause);
+  void widen(const GridFrame& frame, const PausePoint& pause);
+  void transform(Rectangle cells, bool unknown, const PausePoint& pause);
+  static void join(std::vector<Rectangle>& rectangles, const PausePoint& pause);
+  void refresh_factors(const Rectangle& cells, const PausePoint& pause = {});
   void shut(Cell c, double radius, int times);
   bool has_path(std::size_t at) const;
-  void refresh_usable();
+  void refresh_usable(const PausePoint& pause);
   HeadingMask fitting(Cell c) const;
-  void refresh_headings(const Rectangle& cells);
+  void refresh_headings(const Rectangle& cells, const PausePoint& pause = {});
   void refresh_reach(const Pose& pose);
-  void lay_zones();
+  void lay_zones(const PausePoint& pause);
   Rectangle within(Rectangle cells, int margin) const;
 
   TraversabilityOptions options_;

@@ -66,13 +66,14 @@ std::string fault_of(const Landmark& l, double farthest) {
   return "";
 }
 
-UsableLandmarks usable_landmarks(std::shared_ptr<const LandmarkMap> map) {
+UsableLandmarks usable_landmarks(std::shared_ptr<const LandmarkMap> map, const PausePoint& pause) {
   UsableLandmarks result;
   std::shared_ptr<LandmarkMap> copy;
   const auto note = [&](const std::string& fault) {
     if (result.fault.empty()) result.fault = fault;
   };
   for (std::size_t i = 0; i < map->landmarks.size(); ++i) {
+    if (i % 256 == 0) pause();
     const Landmark& l = map->landmarks[i];
     const std::string fault = fault_of(l);
     if (fault.empty()) {

@@ -5,6 +5,7 @@
 
 #include "engine/maps/grid.h"
 #include "engine/maps/landmark_map.h"
+#include "engine/support/resumable.h"
 
 namespace prospect {
 
@@ -29,6 +30,7 @@ struct UsableLandmarks {
 };
 
 /// `map` is not null. Cost: 20 ns a landmark where nothing is wrong; else the map is copied.
-UsableLandmarks usable_landmarks(std::shared_ptr<const LandmarkMap> map);
+UsableLandmarks usable_landmarks(std::shared_ptr<const LandmarkMap> map,
+                                 const PausePoint& pause = {});
 
 }  // namespace prospect

@@ -50,19 +50,17 @@ const Traversability& GlobalPlanner::traversability() const {
   return goal_planner_ ? goal_planner_->traversability() : frontier_planner_.traversability();
 }
 
-std::shared_ptr<const GlobalPlan> GlobalPlanner::update(const Belief& belief,
-                                                        const PlannerParameters& parameters,
-                                                        double frontier_stamp,
-                                                        const FrontierActivity& activity,
-                                                        const LocalTexture* texture,
-                                                        WorkerThreads& workers, Facts& facts) {
+std::shared_ptr<const GlobalPlan> GlobalPlanner::update(
+    const Belief& belief, const PlannerParameters& parameters, double frontier_stamp,
+    const FrontierActivity& activity, const LocalTexture* texture, WorkerThreads& workers,
+    Facts& facts, const PausePoint& pause) {
   if (!start_) start_ = belief.pose;
   std::shared_ptr<const GlobalPlan> global_plan;
   if (parameters.task.kind == TaskKind::kExplore) {
-    global_plan = explore(belief, parameters, frontier_stamp, activity, texture, workers);
+    global_plan = explore(belief, parameters, frontier_stamp, activity, texture, workers, pause);
     facts.frontiers = global_plan->facts;
   } else if (has_goal(parameters.task.kind)) {
-    global_plan = go(belief, parameters, activity);
+    global_plan = go(belief, parameters, activity, pause);
     facts.goal = goal_planner_->facts();
   } else {
     global_plan = stay(belief);
@@ -72,23 +70,25 @@ std::shared_ptr<const GlobalPlan> GlobalPlanner::update(const Belief& belief,
 
 std::shared_ptr<const GlobalPlan> GlobalPlanner::explore(
     const Belief& belief, const PlannerParameters& parameters, double frontier_stamp,
-    const FrontierActivity& activity, const LocalTexture* texture, WorkerThreads& workers) {
+    const FrontierActivity& activity, const LocalTexture* texture, WorkerThreads& workers,
+    const PausePoint& pause) {
   // Without a landmark all ways are alike.
   const bool predicts_view = visibility_map_ && !belief.landmarks->landmarks.empty();
   if (predicts_view) {
     visibility_map_->update(belief,
                             parameters.feature_prior ? belief.landmarks->feature_density : 0.0,
-                            texture, &workers);
+                            texture, &workers, pause);
   }
   auto plan = frontier_planner_.update(*belief.ground, belief.pose, frontier_stamp, activity,
-                                       predicts_view ? &*visibility_map_ : nullptr);
+                                       predicts_view ? &*visibility_map_ : nullptr, pause);
   if (!parameters.task.area) return plan;
-  return set_goal_area(std::move(plan), belief, parameters, frontier_stamp, activity);
+  return set_goal_area(std::move(plan), belief, parameters, frontier_stamp, activity, pause);
 }
 
 std::shared_ptr<const GlobalPlan> GlobalPlanner::set_goal_area(
     std::shared_ptr<const GlobalPlan> frontiers, const Belief& belief,
-    const PlannerParameters& parameters, double frontier_stamp, const FrontierActivity& activity) {
+    const PlannerParameters& parameters, double frontier_stamp, const FrontierActivity& activity,
+    const PausePoint& pause) {
   if (!frontiers->facts.exhausted) {
     exhaustion_.update(frontier_stamp, {false, activity.pursued});
     if (area_planner_) area_planner_->resume();
@@ -99,7 +99,8 @@ std::shared_ptr<const GlobalPlan> GlobalPlanner::set_goal_area(
                                              parameters.frontier_planner.cost_to_go},
                           *parameters.task.area, parameters.goal_unknown_price);
   }
-  const auto path = area_planner_->update(*belief.ground, belief.pose, frontier_stamp, activity);
+  const auto path =
+      area_planner_->update(*belief.ground, belief.pose, frontier_stamp, activity, pause);
   const GoalFacts& goal = area_planner_->facts();
   auto plan = std::make_shared<GlobalPlan>(path->target ? *path : *frontiers);
   FrontierFacts& facts = plan->facts;
@@ -135,7 +136,8 @@ std::optional<ReturnPath> GlobalPlanner::return_path(const Belief& belief,
 
 std::shared_ptr<const GlobalPlan> GlobalPlanner::go(const Belief& belief,
                                                     const PlannerParameters& parameters,
-                                                    const FrontierActivity& activity) {
+                                                    const FrontierActivity& activity,
+                                                    const PausePoint& pause) {
   if (!goal_planner_) {
     const bool back = parameters.task.kind == TaskKind::kReturn;
     Goal goal = parameters.task.goal;
@@ -148,7 +150,7 @@ std::shared_ptr<const GlobalPlan> GlobalPlanner::go(const Belief& belief,
                           goal,
                           back ? parameters.return_unknown_price : parameters.goal_unknown_price);
   }
-  return goal_planner_->update(*belief.ground, belief.pose, belief.stamp, activity);
+  return goal_planner_->update(*belief.ground, belief.pose, belief.stamp, activity, pause);
 }
 
 }  // namespace prospect

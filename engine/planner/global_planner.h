@@ -33,7 +33,7 @@ class GlobalPlanner {
                                            const PlannerParameters& parameters,
                                            double frontier_stamp, const FrontierActivity& activity,
                                            const LocalTexture* texture, WorkerThreads& workers,
-                                           Facts& facts);
+                                           Facts& facts, const PausePoint& pause = {});
 
   /// Another task from the next step on: its path begins anew.
   void restart_task() { goal_planner_.reset(); }
@@ -54,16 +54,18 @@ class GlobalPlanner {
   std::shared_ptr<const GlobalPlan> explore(const Belief& belief,
                                             const PlannerParameters& parameters,
                                             double frontier_stamp, const FrontierActivity& activity,
-                                            const LocalTexture* texture, WorkerThreads& workers);
+                                            const LocalTexture* texture, WorkerThreads& workers,
+                                            const PausePoint& pause);
   /// The path to what is unknown of the area, where nothing of it can be looked at from what is
   /// known.
   std::shared_ptr<const GlobalPlan> set_goal_area(std::shared_ptr<const GlobalPlan> frontiers,
                                                   const Belief& belief,
                                                   const PlannerParameters& parameters,
                                                   double frontier_stamp,
-                                                  const FrontierActivity& activity);
+                                                  const FrontierActivity& activity,
+                                                  const PausePoint& pause);
   std::shared_ptr<const GlobalPlan> go(const Belief& belief, const PlannerParameters& parameters,
-                                       const FrontierActivity& activity);
+                                       const FrontierActivity& activity, const PausePoint& pause);
 
   FrontierPlanner frontier_planner_;
   std::optional<FeatureVisibilityMap> visibility_map_;  // if the cost-to-go is weighted by it

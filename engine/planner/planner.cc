@@ -12,9 +12,7 @@
 #include <vector>
 
 #include "engine/behaviour/mode_policy.h"
-#include "engine/features/local_texture.h"
 #include "engine/maps/surface_drift.h"
-#include "engine/maps/usable_landmarks.h"
 #include "engine/planner/added_terms.h"
 #include "engine/planner/candidate_evaluation.h"
 #include "engine/planner/candidate_polish.h"
@@ -26,14 +24,17 @@
 #include "engine/planner/planner_fit.h"
 #include "engine/planner/planner_guard.h"
 #include "engine/planner/seeds.h"
+#include "engine/planner/step_landmarks.h"
 #include "engine/planner/step_monitors.h"
 #include "engine/planner/step_specification.h"
 #include "engine/planner/stopping_plan.h"
+#include "engine/support/resumed.h"
 #include "engine/support/stopwatch.h"
 #include "engine/support/worker_threads.h"
 #include "engine/task/zone_map.h"
 #include "engine/terms/builtin_terms.h"
 #include "models/can_move.h"
+#include "models/formatted.h"
 #include "models/knobs.h"
 #include "models/limited_twist.h"
 #include "models/parameter_check.h"
@@ -119,25 +120,20 @@ std::string unusable(const Belief& belief) {
   return "";
 }
 
-/// With the landmarks that can be used, and those left out noted in the plan. Of a robot whose
-/// localization does not rest on any: none known, none expected.
-Belief with_usable_landmarks(Belief belief, Plan& plan) {
-  if (rests_on_features(belief)) {
-    UsableLandmarks usable = usable_landmarks(belief.landmarks);
-    plan.landmarks_dropped = usable.dropped;
-    plan.landmark_fault = std::move(usable.fault);
-    belief.landmarks = std::move(usable.map);
-  } else {
-    belief.landmarks =
-        std::make_shared<const LandmarkMap>(LandmarkMap{.landmarks = {}, .feature_density = 0.0});
-  }
-  return belief;
-}
+/// What a step makes of the whole map for its task.
+struct WholeMap {
+  std::shared_ptr<const GlobalPlan> global_plan{};
+  std::optional<FrontierFacts> frontiers{};
+  std::optional<GoalFacts> goal{};
+  double stamp = 0.0;  // of its belief [s]
+};
 
-/// Of what is seen nearby; none where the localization does not rest on it.
-std::optional<LocalTexture> texture_around(const Belief& belief) {
-  if (!rests_on_features(belief)) return std::nullopt;
-  return LocalTexture(*belief.ground, *belief.landmarks, belief.pose.position.head<2>());
+/// What the robot did since frontiers were last looked at, over several steps.
+FrontierActivity over_both(const FrontierActivity& before, FrontierActivity now) {
+  now.pursued = now.pursued && before.pursued;
+  now.got_lost = now.got_lost || before.got_lost;
+  if (!now.blocked) now.blocked = before.blocked;
+  return now;
 }
 
 std::vector<Candidate> candidates_of(const std::vector<Seed>& seeds) {
@@ -151,11 +147,14 @@ std::vector<Candidate> candidates_of(const std::vector<Seed>& seeds) {
   return candidates;
 }
 
-/// What the certificate of a step may take [s]: as much as any of the last ones did. It decides
-/// nothing but how long is polished before a deadline.
+/// What a part of a step may take [s]: as much as any of the last ones did. It decides nothing but
+/// how the time before a deadline is shared out.
 class Reserve {
  public:
+  explicit Reserve(double first = 0.0) { last_.fill(first); }
   void add(double seconds) {
+    if (!begun_) last_.fill(seconds);
+    begun_ = true;
     last_[next_] = seconds;
     next_ = (next_ + 1) % last_.size();
   }
@@ -164,6 +163,41 @@ class Reserve {
  private:
   std::array<double, 16> last_{};
   std::size_t next_ = 0;
+  bool begun_ = false;
+};
+
+/// The time of a step and how it is shared out: what grows with the map is continued in the next
+/// step when its share is over, what does not comes after it.
+class StepTime {
+ public:
+  using Clock = Resumable::Clock;
+  /// seconds: the deadline, 0: none. after: what the part that does not grow takes [s].
+  StepTime(double seconds, double after) : seconds_(seconds), after_(after) {}
+
+  /// When landmarks must be done, or are continued later. Without an earlier whole result nothing
+  /// comes after it.
+  Clock::time_point landmarks(bool has_earlier) const {
+    return at(has_earlier ? std::max(0.1, 0.5 * left()) : kAlone);
+  }
+  /// The same of frontiers and the path.
+  Clock::time_point global_plan(bool has_earlier) const {
+    return at(has_earlier ? std::max(0.2, left()) : kAlone);
+  }
+  /// Whether there is time for what comes after them, or as much as there will be.
+  bool suffices() const { return !(seconds_ > 0.0) || Clock::now() <= at(std::max(0.3, left())); }
+
+ private:
+  static constexpr double kAlone = 0.9;
+  static constexpr double kLeast = 1e-3;  // [s]: so that each step gets on
+  double left() const { return 0.95 - after_ / seconds_; }
+  Clock::time_point at(double share) const {
+    if (!(seconds_ > 0.0)) return Clock::time_point::max();
+    return begun_ + std::chrono::duration_cast<Clock::duration>(
+                        std::chrono::duration<double>(std::max(kLeast, share * seconds_)));
+  }
+
+  Clock::time_point begun_ = Clock::now();
+  double seconds_, after_;
 };
 
 /// What plan() makes aside, and Planner::Impl takes over once all of it is there.
@@ -223,11 +257,16 @@ struct Planner::Impl {
   Eigen::MatrixXd last_inputs;         // nu x N of the last plan
   double last_stamp = 0.0;             // [s]
   std::optional<Plan> last_certified;  // its motion alone: what a stop follows
-  Reserve reserve;                     // where there is a deadline
-  StopCondition cancelled;             // of each step
+  Reserve reserve;                     // of the certificate, where there is a deadline
+  Reserve problem_reserve{0.5 * parameters.deadline};  // of problem, seeds and certificate
+  StopCondition cancelled;                             // of each step
   FrontierActivity activity;
-  std::string refused;                         // newest Plan::refused
-  std::shared_ptr<const GlobalPlan> prepared;  // since the last step; null: to be made in the step
+  bool attended = true;                     // frontiers have been looked at with it
+  std::string refused;                      // newest Plan::refused
+  std::optional<WholeMap> prepared;         // since the last step; none: to be made in the step
+  bool of_frontiers = false;                // what map_work has begun last
+  bool told = true;                         // a step has told what changed in the newest whole map
+  std::shared_ptr<const CostToGo> retreat;  // of the last step that had one
 
   // Of the last step: whole, or nothing.
   std::shared_ptr<const PlanningStep> step = std::make_shared<const PlanningStep>();
@@ -245,13 +284,22 @@ struct Planner::Impl {
 
   void prepare(const Belief& given);
   Plan plan(const Belief& given, const StopCondition& stop);
-  /// GlobalPlanner::update(). What it throws leaves nothing half learned.
-  std::shared_ptr<const GlobalPlan> global_plan(const Belief& belief, const LocalTexture* texture,
-                                                Facts& facts);
-  /// The mode whose policy this step follows; task, mode and safety level of the plan.
-  ModeKind update_mode(const Belief& belief, const LocalTexture* texture, Plan& plan,
-                       StepInTheMaking& making);
-  void specify(const Belief& belief, ModeKind mode, const LocalTexture* texture,
+  /// step_landmarks(), as of this belief or, where there is no time, an earlier one; null: nor is
+  /// there such.
+  std::shared_ptr<const StepLandmarks> landmarks(const Belief& belief, StepTime::Clock::time_point);
+  /// GlobalPlanner::update(), likewise; whether it is as of this belief. What it throws leaves
+  /// nothing half learned.
+  bool update_whole_map(const Belief& belief, std::shared_ptr<const StepLandmarks> landmarks,
+                        StepTime::Clock::time_point until);
+  /// The mode whose policy this step follows; task, mode and safety level of the plan. None: there
+  /// is no whole map yet.
+  std::optional<ModeKind> update_mode(const Belief& belief,
+                                      const std::shared_ptr<const StepLandmarks>& landmarks,
+                                      const StepTime& time, Plan& plan, StepInTheMaking& making);
+  /// Of the whole map's, what is to be known now.
+  void take_whole_map(const Belief& belief, bool fresh, Facts& facts, Plan& plan,
+                      StepInTheMaking& making);
+  void specify(const Belief& belief, ModeKind mode, const StepLandmarks& landmarks,
                StepInTheMaking& making);
   SeedContext seed_context(const Belief& belief, const StepInTheMaking& making) const;
   void remember(const Plan& plan, StepInTheMaking&& making);
@@ -265,25 +313,57 @@ struct Planner::Impl {
   }
   void use_zones(const Zones& given);
   void use_task(const Task& task);
+
+  // What takes the longer the more is known of the world. Last: it is unwound before what it
+  // works on.
+  Resumed<std::shared_ptr<const StepLandmarks>> landmark_work;
+  Resumed<WholeMap> map_work;
 };
 
 void Planner::Impl::prepare(const Belief& given) {
-  prepared = nullptr;
+  prepared.reset();
   if (parameters.task.kind != TaskKind::kExplore || !unusable(given).empty()) return;
-  Plan unused;
-  const Belief belief = with_usable_landmarks(given, unused);
-  const std::optional<LocalTexture> texture = texture_around(belief);
-  Facts facts;
-  prepared = global_plan(belief, texture ? &*texture : nullptr, facts);
+  const StepTime time(parameters.deadline, 0.0);
+  const std::shared_ptr<const StepLandmarks> seen =
+      landmarks(given, time.landmarks(landmark_work.newest().has_value()));
+  if (!seen) return;
+  if (update_whole_map(given, seen, time.global_plan(true))) prepared = *map_work.newest();
 }
 
-std::shared_ptr<const GlobalPlan> Planner::Impl::global_plan(const Belief& belief,
-                                                             const LocalTexture* texture,
-                                                             Facts& facts) {
+std::shared_ptr<const StepLandmarks> Planner::Impl::landmarks(const Belief& belief,
+                                                              StepTime::Clock::time_point until) {
+  landmark_work.update(
+      [this, belief](const PausePoint& pause) {
+        return std::make_shared<const StepLandmarks>(
+            step_landmarks(robot, parameters, belief, pause));
+      },
+      until);
+  return landmark_work.newest().value_or(nullptr);
+}
+
+bool Planner::Impl::update_whole_map(const Belief& given, std::shared_ptr<const StepLandmarks> seen,
+                                     StepTime::Clock::time_point until) {
+  Belief belief = given;
+  belief.landmarks = seen->usable;
+  const auto make = [this, belief, seen = std::move(seen), did = activity,
+                     stamp = given.stamp - clock.away()](const PausePoint& pause) {
+    attended = true;
+    of_frontiers = parameters.task.kind == TaskKind::kExplore;
+    Facts facts;
+    WholeMap whole;
+    whole.global_plan =
+        global_planner.update(belief, parameters, stamp, did,
+                              seen->texture ? &*seen->texture : nullptr, workers, facts, pause);
+    whole.frontiers = std::move(facts.frontiers);
+    whole.goal = std::move(facts.goal);
+    whole.stamp = belief.stamp;
+    told = false;
+    return whole;
+  };
   try {
-    return global_planner.update(belief, parameters, belief.stamp - clock.away(), activity, texture,
-                                 workers, facts);
+    return map_work.update(make, until);
   } catch (...) {
+    map_work.give_up();
     global_planner.restart(parameters.frontier_planner);
     throw;
   }
@@ -295,6 +375,7 @@ Plan Planner::Impl::plan(const Belief& given, const StopCondition& asked) {
   // Of all of the step; its polishing leaves time for what comes after it.
   const StopCondition late =
       parameters.deadline > 0.0 ? deadline(parameters.deadline) : StopCondition();
+  const StepTime time(parameters.deadline, problem_reserve.value());
   const StopCondition stop = parameters.deadline > 0.0
                                  ? (deadline(parameters.deadline - reserve.value()) || outer)
                                  : outer;
@@ -312,16 +393,28 @@ Plan Planner::Impl::plan(const Belief& given, const StopCondition& asked) {
   plan.solver = solver->name();
 
   // Belief.
-  const Belief belief = with_usable_landmarks(given, plan);
-  const std::optional<LocalTexture> texture = texture_around(belief);
+  Belief belief = given;
+  const std::shared_ptr<const StepLandmarks> seen =
+      landmarks(belief, time.landmarks(landmark_work.newest().has_value()));
   drift.update(belief, robot);
+  const auto unfinished = [&](const char* what) {
+    return brake(given, PlanFault::kUnfinished,
+                 std::string(what) + " of the first map take longer than the deadline of a step");
+  };
+  if (!seen) return unfinished("the landmarks");
+  belief.landmarks = seen->usable;
+  plan.landmarks_dropped = seen->dropped;
+  plan.landmark_fault = seen->fault;
 
   // Mode.
-  const ModeKind mode = update_mode(belief, texture ? &*texture : nullptr, plan, making);
+  const std::optional<ModeKind> mode_now = update_mode(belief, seen, time, plan, making);
+  if (!mode_now) return unfinished("the frontiers");
+  const ModeKind mode = *mode_now;
   plan.times.frontier_planner = watch.lap();
 
   // Problem.
-  specify(belief, mode, texture ? &*texture : nullptr, making);
+  Stopwatch after;
+  specify(belief, mode, *seen, making);
   ProblemSpecification& specification = *making.specification;
   plan.times.views = watch.lap();
   update_clearance(specification, making.evaluators);
@@ -393,14 +486,17 @@ Plan Planner::Impl::plan(const Belief& given, const StopCondition& asked) {
   }
   plan.times.certify = watch.lap();
   reserve.add(1e-3 * plan.times.certify);
+  problem_reserve.add(1e-3 * (after.lap() - plan.times.polish));
 
   remember(plan, std::move(making));
   plan.times.total = total.lap();
   return plan;
 }
 
-ModeKind Planner::Impl::update_mode(const Belief& belief, const LocalTexture* texture, Plan& plan,
-                                    StepInTheMaking& making) {
+std::optional<ModeKind> Planner::Impl::update_mode(const Belief& belief,
+                                                   const std::shared_ptr<const StepLandmarks>& seen,
+                                                   const StepTime& time, Plan& plan,
+                                                   StepInTheMaking& making) {
   const TaskKind task = parameters.task.kind;
   clock.update(belief.stamp, task);
   Facts facts = monitors.update(belief, task, clock, parameters.features.N_min);
@@ -409,16 +505,19 @@ ModeKind Planner::Impl::update_mode(const Belief& belief, const LocalTexture* te
   const bool pursues = policy(before_frontiers).pursues;
   facts.stuck = monitors.update_stuck(belief, pursues);
   facts.refused = refused;
-  activity = {.observed = belief.localization != Localization::kLost,
-              .pursued = pursues,
-              .got_lost = monitors.got_lost(),
-              .blocked = monitors.blocked()};
-  if (prepared) {
-    making.global_plan = std::exchange(prepared, nullptr);
-    facts.frontiers = making.global_plan->facts;
-  } else {
-    making.global_plan = global_plan(belief, texture, facts);
+  const FrontierActivity now{.observed = belief.localization != Localization::kLost,
+                             .pursued = pursues,
+                             .got_lost = monitors.got_lost(),
+                             .blocked = monitors.blocked()};
+  activity = attended ? now : over_both(activity, now);
+  attended = false;
+  bool fresh = true;
+  if (!prepared) {
+    const bool has_earlier = map_work.newest().has_value();
+    fresh = update_whole_map(belief, seen, time.global_plan(has_earlier));
+    if (!map_work.newest() || (!has_earlier && !time.suffices())) return std::nullopt;
   }
+  take_whole_map(belief, fresh, facts, plan, making);
   behaviour = decide(behaviour, facts, parameters.behaviour);
   safety_level = safety_level_for(facts, parameters.lost_margin > 0.0);
   plan.task = task;
@@ -427,22 +526,42 @@ ModeKind Planner::Impl::update_mode(const Belief& belief, const LocalTexture* te
   plan.safety_level = safety_level;
   plan.why = describe(behaviour.mode, facts);
   plan.has_active_frontier = making.global_plan->target.has_value();
+  if (!fresh) {
+    plan.why += formatted(" The %s is that of %.1f s ago: there was no time for a newer one.",
+                          facts.goal ? "path" : "target", plan.global_plan_age);
+  }
   if (facts.goal && facts.goal->reached) plan.heading_missed = facts.goal->heading_missed;
   if (behaviour.mode.kind != ModeKind::kDone) return behaviour.mode.kind;
   // A robot that is done has no target any more, but a retreat or a turn goes on.
   return task == TaskKind::kExplore ? before_frontiers : ModeKind::kHold;
 }
 
-void Planner::Impl::specify(const Belief& belief, ModeKind mode, const LocalTexture* texture,
+void Planner::Impl::take_whole_map(const Belief& belief, bool fresh, Facts& facts, Plan& plan,
+                                   StepInTheMaking& making) {
+  WholeMap whole = prepared ? *std::exchange(prepared, std::nullopt) : *map_work.newest();
+  making.global_plan = std::move(whole.global_plan);
+  facts.frontiers = std::move(whole.frontiers);
+  facts.goal = std::move(whole.goal);
+  plan.global_plan_age = belief.stamp - whole.stamp;
+  if (std::exchange(told, true) && facts.frontiers) facts.frontiers->changed = TargetChange::kNone;
+  // The arrival is judged where the robot is.
+  if (!fresh && facts.goal) {
+    judge_arrival(*global_planner.goal(), belief.pose, facts.goal->heading_missed.has_value(),
+                  *facts.goal);
+  }
+}
+
+void Planner::Impl::specify(const Belief& belief, ModeKind mode, const StepLandmarks& seen,
                             StepInTheMaking& making) {
-  std::shared_ptr<const CostToGo> retreat;
-  if (policy(mode).cost_to_go == ModePolicy::CostToGo::kRetreat) {
+  if (policy(mode).cost_to_go != ModePolicy::CostToGo::kRetreat) {
+    retreat = nullptr;
+  } else if (!map_work.busy()) {  // else it stays that of the last step
     retreat = monitors.trail().cost_to_go(global_planner.traversability(),
                                           belief.pose.position.head<2>(), robot.model->max_speed());
   }
   StepSpecification made =
       specify_problem({robot, parameters, belief, *making.global_plan, global_planner.frontiers(),
-                       zones, mode, retreat, safety_level, drift, texture});
+                       zones, mode, retreat, safety_level, drift, seen});
   making.specification = std::make_shared<ProblemSpecification>(std::move(made.problem));
   making.num_mapped = made.num_mapped;
 }
@@ -527,7 +646,8 @@ void Planner::Impl::use_zones(const Zones& given) {
   parameters.zones = given;
   zones = zone_map_of(given);
   certifier.set_zones(zones);
-  prepared = nullptr;
+  prepared.reset();
+  map_work.give_up();
   parameters.frontier_planner.traversability.zones = zones;
   global_planner.restart(parameters.frontier_planner);
 }
@@ -535,8 +655,14 @@ void Planner::Impl::use_zones(const Zones& given) {
 void Planner::Impl::use_task(const Task& task) {
   const bool other_area =
       task.kind == TaskKind::kExplore && task.area != parameters.frontier_planner.area;
+  // What was learned of frontiers is kept: what is under way of them is done first.
+  if (map_work.busy() && of_frontiers && !other_area) {
+    map_work.forget();
+  } else {
+    map_work.give_up();
+  }
   parameters.task = task;
-  prepared = nullptr;
+  prepared.reset();
   clock.restart();
   global_planner.restart_task();
   if (!other_area) return;
@@ -554,7 +680,7 @@ void Planner::prepare(const Belief& belief) {
     impl_->prepare(belief);
   } catch (...) {
     // plan() meets the same and tells it.
-    impl_->prepared = nullptr;
+    impl_->prepared.reset();
   }
 }
 

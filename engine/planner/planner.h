@@ -161,9 +161,13 @@ void describe(Knobs& knobs, PlannerParameters& parameters);
 /// and the certificate are of plan()'s own belief always. The path to a goal is never prepared: the
 /// arrival is judged where the robot is. Another task or other zones drop what was prepared.
 ///
-/// Deadline. PlannerParameters::deadline is that of plan(). The seeds are scored in portions of
-/// eight, the shifted previous plan in the first, until the time is up that is left beside the
-/// certificate; then polishing ends; then one candidate is certified.
+/// Deadline. PlannerParameters::deadline is that of plan(), and of prepare(). What takes the longer
+/// the more is known of the world, landmarks, frontiers and the path, is continued in the next step
+/// when its share of the time is over (support/resumed.h). Until then the last whole result serves:
+/// Plan::global_plan_age says how old it is. Before the first there is none, and the step is a stop
+/// (PlanFault::kUnfinished). The seeds are scored in portions of eight, the shifted previous plan
+/// in the first, until the time is up that is left beside the certificate; then polishing ends;
+/// then one candidate is certified.
 ///
 /// Terms from outside (PlannerParameters::terms) are made and tried at each step; one that cannot
 /// be made, or evaluated at any seed, is left out of the step, and the plan's `detail` says so.

@@ -4,9 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "engine/features/landmark_selection.h"
 #include "engine/features/tracked_calibration.h"
-#include "engine/features/unseen_features.h"
 #include "engine/frontiers/exploration_targets.h"
 #include "engine/planner/planner_fit.h"
 #include "engine/planner/step_monitors.h"
@@ -100,20 +98,10 @@ std::size_t specify_visible_features(const StepContext& c, ProblemSpecification&
   s.landmark_occlusion.max_range = p.visibility.r_max + 1.0;
   if (!p.feature_occlusion) s.landmark_occlusion.trim = s.landmark_occlusion.max_range;
   s.visibility = p.visibility;
-  s.visibility.odometry = c.belief.landmarks->odometry_noise.value_or(p.visibility.odometry);
-  UnseenFeatureOptions unseen;
-  unseen.density = p.feature_prior ? c.belief.landmarks->feature_density : 0.0;
-  unseen.range = reach(c) + p.visibility.r_max;
-  unseen.height = camera.z();
-  unseen.max_blocks = p.max_landmarks / 4;
-  unseen.image_cell = c.belief.landmarks->image_cell;
-  const std::vector<Landmark> expected =
-      unseen_features(*c.belief.ground, c.belief.pose, unseen, c.texture);
-  s.landmarks =
-      select_landmarks(*c.belief.landmarks, c.belief.pose, camera_reach(c, c.robot.stereo_mount),
-                       p.max_landmarks - static_cast<int>(expected.size()), p.visibility);
+  s.visibility.odometry = c.landmarks.usable->odometry_noise.value_or(p.visibility.odometry);
+  s.landmarks = c.landmarks.mapped;
   const std::size_t num_mapped = s.landmarks.size();
-  s.landmarks.insert(s.landmarks.end(), expected.begin(), expected.end());
+  s.landmarks.insert(s.landmarks.end(), c.landmarks.expected.begin(), c.landmarks.expected.end());
   if (!p.feature_covariance) {
     OdometryNoise& noise = s.visibility.odometry;
     noise.position_per_metre = noise.position_per_radian = 0.0;

@@ -5,18 +5,18 @@
 
 #include "engine/behaviour/mode_policy.h"
 #include "engine/behaviour/safety_level.h"
-#include "engine/features/local_texture.h"
 #include "engine/frontiers/cost_to_go.h"
 #include "engine/frontiers/frontier_planner.h"
 #include "engine/maps/belief.h"
 #include "engine/maps/surface_drift.h"
 #include "engine/planner/planner.h"
+#include "engine/planner/step_landmarks.h"
 #include "engine/task/zone_map.h"
 #include "engine/terms/problem_specification.h"
 
 namespace prospect {
 
-/// All that a step's problem depends on. The belief is usable: it has its maps, landmarks included.
+/// All that a step's problem depends on. The belief has its maps but for the landmarks.
 struct StepContext {
   const RobotDescription& robot;
   const PlannerParameters& parameters;
@@ -28,7 +28,7 @@ struct StepContext {
   std::shared_ptr<const CostToGo> retreat;  ///< instead of the global plan's; null: that one
   SafetyLevel safety_level;
   const SurfaceDrift& drift;
-  const LocalTexture* texture;  ///< null where the localization does not rest on features
+  const StepLandmarks& landmarks;
 };
 
 /// What the problem of a step is made of.

@@ -971,7 +971,8 @@ Certificate Certifier::certify(const Belief& belief, const MotionModel& model,
     if (!result.ok()) return result;
     if (options_.known_ground && !knows_ground_of(belief, body_->shape, model, x0, inputs, dt)) {
       result.status = Certificate::Status::kUnknownSpace;
-      result.detail = "the map does not know the ground of the motion: it is empty, or of elsewhere";
+      result.detail =
+          "the map does not know the ground of the motion: it is empty, or of elsewhere";
       return result;
     }
     for (Eigen::Index n = 0; n < tail.cols(); ++n) {

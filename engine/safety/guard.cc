@@ -404,8 +404,9 @@ GuardVerdict Guard::check(const Plan& plan, const TimedCommand& asked, const Twi
       return refuse(wrong->reason, wrong->detail);
     }
     if (!can_be_at(*asked.pose, newest, now, asked.hold)) {
-      return refuse(GuardReason::kMap,
-                    "the pose of the command is none that the robot gets to from the newest belief");
+      return refuse(
+          GuardReason::kMap,
+          "the pose of the command is none that the robot gets to from the newest belief");
     }
     const PlanPhase phase = plan.phase_at(now);
     if (phase != PlanPhase::kCommitted || plan.kind == PlanKind::kStoppingTail) {

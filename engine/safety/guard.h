@@ -77,12 +77,12 @@ struct GuardVerdict {
 /// not finite or from the future is refused. A map that was given and does not change has an
 /// infinite limit. A verdict of kStale names the source and its age.
 ///
-/// What was measured must have to do with what was told. The velocity v of the newest belief and the
-/// command p in force before, linear and yaw rate each: the distance from v to {s p, 0 <= s <= 1} is
-/// at most a kLag + mismatch v_max, a the largest change of a command per second, and a kLag no more
-/// than v_max: less than was told is a base that is slow or held up, whatever else is a motion that
-/// nobody certified. The pose of a TimedCommand lies within what the robot can drive and turn in the
-/// age of the belief's pose, `hold` and kLag, and kPoseSlack.
+/// What was measured must have to do with what was told. The velocity v of the newest belief and
+/// the command p in force before, linear and yaw rate each: the distance from v to {s p, 0 <= s <=
+/// 1} is at most a kLag + mismatch v_max, a the largest change of a command per second, and a kLag
+/// no more than v_max: less than was told is a base that is slow or held up, whatever else is a
+/// motion that nobody certified. The pose of a TimedCommand lies within what the robot can drive
+/// and turn in the age of the belief's pose, `hold` and kLag, and kPoseSlack.
 ///
 /// A stopping tail needs no certificate: it is what would be done instead. So it has to be that:
 /// with p the command in force and h what the hardest admissible braking (braking_input() of the
@@ -127,7 +127,7 @@ class Guard {
     /// From a command to a measured velocity that shows it, at most [s].
     static constexpr double kLag = 0.5;
     static constexpr double kPoseSlack = 0.1;  ///< of a predicted pose [m], [rad]
-    double tolerance = 1e-6;  ///< relative, on limits and rates, 0 to 0.1
+    double tolerance = 1e-6;                   ///< relative, on limits and rates, 0 to 0.1
     /// Share of the largest speeds by which a command may differ from what its input gives from the
     /// newest pose, for bases controlled by acceleration: their body velocity turns with the
     /// estimated yaw. Of a stopping tail: m above. 0 to below 1.

@@ -46,6 +46,8 @@ std::string_view to_string(PlanFault fault) {
       return "misfit";
     case PlanFault::kError:
       return "error";
+    case PlanFault::kUnfinished:
+      return "unfinished";
   }
   return "?";
 }

@@ -29,10 +29,13 @@ enum class PlanFault {
   kNone,
   kBelief,  ///< nothing can be planned from the belief: it lacks a map, or is not finite
   kMisfit,  ///< robot, parameters and the maps' resolution do not fit together (planner_fit.h)
-  kError    ///< something failed on the path
+  kError,   ///< something failed on the path
+  /// Frontiers or landmarks of the first map take longer than the step's deadline: it goes on with
+  /// them in the next step.
+  kUnfinished
 };
 
-/// "none", "belief", "misfit", "error".
+/// "none", "belief", "misfit", "error", "unfinished".
 std::string_view to_string(PlanFault fault);
 
 /// Wall-clock time of the parts of one planning step [ms].
@@ -124,7 +127,10 @@ struct Plan {
   std::vector<PlanCandidate> candidates;
 
   bool has_active_frontier = false;  ///< some active frontier is reachable
-  std::string detail;                ///< why it is a stop, in one sentence
+  /// [s] since the belief that frontiers, or the way to the goal, are of; above 0 after prepare(),
+  /// and where the deadline left no time for newer ones.
+  double global_plan_age = 0.0;
+  std::string detail;  ///< why it is a stop, in one sentence
   /// Landmarks of the belief that could not be used and were left out, and the first fault of the
   /// landmark map, empty if there is none (usable_landmarks.h).
   int landmarks_dropped = 0;

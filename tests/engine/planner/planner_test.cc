@@ -1353,6 +1353,10 @@ TEST_F(PlannerTest, ADeadlineAndACancellationLeaveAnExecutablePlan) {
   parameters_.deadline = 1e-6;
   Planner hurried = make();
   Plan plan = hurried.plan(belief);
+  for (int n = 0; n < 100 && plan.fault == PlanFault::kUnfinished; ++n) {
+    expect_executable(plan, belief);
+    plan = hurried.plan(belief);
+  }
   expect_executable(plan, belief);
   EXPECT_EQ(plan.kind, PlanKind::kSeed);
   parameters_.deadline = 0.0;

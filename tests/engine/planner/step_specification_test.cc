@@ -21,7 +21,8 @@ struct Step {
   StepSpecification specify() {
     return specify_problem({scene.planner->robot(), parameters, scene.belief,
                             *scene.planner->global_plan(), frontiers, nullptr, mode, retreat,
-                            safety_level, drift, nullptr});
+                            safety_level, drift,
+                            step_landmarks(scene.planner->robot(), parameters, scene.belief)});
   }
 };
 

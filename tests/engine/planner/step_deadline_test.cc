@@ -1,0 +1,204 @@
+#include <gtest/gtest.h>
+#include <octomap/OcTree.h>
+#include <time.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include "engine/maps/map_projection.h"
+#include "engine/planner/planner.h"
+#include "models/make_model.h"
+#include "tests/engine/planning_scene.h"
+
+namespace prospect::step_deadline_test {
+namespace {
+
+/// What a step may take where `asked` seconds are asked for [s].
+double allowed(double asked) { return 1.5 * asked + 0.002; }
+
+/// Processor time of all threads [s]: the machine may be busy.
+double processor_time() {
+  timespec t{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+/// Rooms of 6 m with doors, each fifth of them unknown; `shift` cells further along both axes.
+void give_rooms(Belief& belief, double side, int shift = 0) {
+  const int n = static_cast<int>(std::lround(10.0 * side));
+  auto voxels = std::make_shared<VoxelGrid>(GridFrame{0.1, shift - 10, shift - 10, n, n}, 0.0, 0.6);
+  for (int j = 0; j < n; ++j) {
+    for (int i = 0; i < n; ++i) {
+      if ((i / 60 + j / 60) % 5 == 4) continue;
+      const bool rim = i == 0 || j == 0 || i == n - 1 || j == n - 1;
+      const bool wall = rim || (i % 60 == 0 && j % 60 > 14) || (j % 60 == 0 && i % 60 > 14);
+      for (int k = 0; k < 6; ++k) {
+        voxels->set(i + shift - 10, j + shift - 10, k,
+                    wall ? CellState::kOccupied : CellState::kFree);
+      }
+    }
+  }
+  belief.ground = std::make_shared<const GroundMap>(project(*voxels, {0.1, 0.5}, 16));
+  belief.voxels = std::move(voxels);
+}
+
+std::shared_ptr<const LandmarkMap> landmarks_about(int count) {
+  auto map = std::make_shared<LandmarkMap>();
+  for (int n = 0; n < count; ++n) {
+    Landmark l;
+    l.id = static_cast<std::uint64_t>(n + 1);
+    const double angle = 2.4 * n, distance = 1.0 + std::fmod(0.37 * n, 10.0);
+    l.position = {2.0 + distance * std::cos(angle), 2.0 + distance * std::sin(angle),
+                  0.2 + 0.008 * (n % 100)};
+    l.creation_direction = -Eigen::Vector3d::UnitX();
+    map->landmarks.push_back(l);
+  }
+  return map;
+}
+
+/// A robot that drives as it is told.
+class StepDeadline : public ::testing::Test {
+ protected:
+  Belief belief_;
+  std::unique_ptr<Planner> planner_;
+  std::vector<Plan> plans_;
+  std::vector<double> times_;  // [s]
+
+  void SetUp() override {
+    belief_.octree = std::make_shared<const octomap::OcTree>(0.1);
+    belief_.landmarks = landmarks_about(300);
+    belief_.command = Twist();
+    belief_.tracked_features = 80;
+  }
+  void begin(double deadline) {
+    RobotDescription robot;
+    robot.model = make_model("unicycle");
+    PlannerParameters parameters;
+    parameters.deadline = deadline;
+    planner_ = std::make_unique<Planner>(robot, parameters, std::make_shared<test::IdleSolver>());
+  }
+  const Plan& step() {
+    belief_.set_stamps(0.25 * static_cast<double>(plans_.size()));
+    const double before = processor_time();
+    plans_.push_back(planner_->plan(belief_));
+    times_.push_back(processor_time() - before);
+    const Plan& plan = plans_.back();
+    const MotionModel& model = *planner_->robot().model;
+    Eigen::VectorXd next(model.nx());
+    model.step(model.state(belief_.pose, belief_.twist), model.input(plan.commands.front()), 0.25,
+               next);
+    belief_.pose = model.pose(next);
+    belief_.twist = plan.commands.front();
+    belief_.command = belief_.twist;
+    return plan;
+  }
+  /// Steps until one is made whole, `most` at most; until then the robot stands and is told why.
+  void begin_to_drive(int most) {
+    while (step().fault == PlanFault::kUnfinished) {
+      ASSERT_GT(--most, 0) << "it never ends";
+      EXPECT_EQ(plans_.back().kind, PlanKind::kStoppingTail);
+      EXPECT_NE(plans_.back().detail.find("deadline"), std::string::npos);
+      EXPECT_EQ(belief_.twist.linear.norm(), 0.0);
+      EXPECT_FALSE(planner_->step()->made());
+    }
+    EXPECT_EQ(plans_.back().fault, PlanFault::kNone) << plans_.back().detail;
+  }
+  /// But for one step in twenty, which the machine may have disturbed.
+  void expect_in_time(double deadline) {
+#ifndef __SANITIZE_ADDRESS__  // the release build counts time
+    std::vector<double> sorted = times_;
+    std::sort(sorted.begin(), sorted.end());
+    EXPECT_LE(sorted[sorted.size() - 1 - sorted.size() / 20], allowed(deadline));
+#endif
+  }
+};
+
+// The first plan took 0.5 s in 100 m, and each one as long after which the map had moved.
+TEST_F(StepDeadline, OfALargeMapThatMovesEachTime) {
+  constexpr double kDeadline = 0.02;
+  begin(kDeadline);
+  give_rooms(belief_, 60.0);
+  begin_to_drive(40);
+  for (int n = 1; n < 10; ++n) {
+    give_rooms(belief_, 60.0, n % 3);
+    const Plan& plan = step();
+    EXPECT_EQ(plan.fault, PlanFault::kNone) << plan.detail;
+    EXPECT_GE(plan.global_plan_age, 0.0);
+    EXPECT_LE(plan.global_plan_age, 0.25 * n);
+    if (plan.global_plan_age > 0.0) {
+      EXPECT_NE(plan.why.find("no time for a newer one"), std::string::npos) << plan.why;
+    }
+  }
+  expect_in_time(kDeadline);
+}
+
+TEST_F(StepDeadline, OfManyLandmarks) {
+  constexpr double kDeadline = 0.02;
+  begin(kDeadline);
+  give_rooms(belief_, 20.0);
+  belief_.landmarks = landmarks_about(200'000);
+  begin_to_drive(60);
+  for (int n = 0; n < 10; ++n) EXPECT_EQ(step().fault, PlanFault::kNone);
+  EXPECT_FALSE(planner_->step()->landmarks.empty());
+  expect_in_time(kDeadline);
+}
+
+TEST_F(StepDeadline, OfFiveMilliseconds) {
+  constexpr double kDeadline = 0.005;
+  begin(kDeadline);
+  give_rooms(belief_, 20.0);
+  begin_to_drive(60);
+  for (int n = 0; n < 60; ++n) EXPECT_EQ(step().fault, PlanFault::kNone);
+  expect_in_time(kDeadline);
+  EXPECT_GT(belief_.pose.position.norm(), 0.5) << "it drives all the same";
+}
+
+// What is under way belongs to what the robot was told before.
+TEST_F(StepDeadline, AnotherTaskBeginsAnew) {
+  begin(0.001);
+  give_rooms(belief_, 20.0);
+  EXPECT_EQ(step().fault, PlanFault::kUnfinished);
+  Task task;
+  task.kind = TaskKind::kGoTo;
+  task.goal.position = {2.0, 1.0};
+  ASSERT_EQ(planner_->set_task(task), "");
+  begin_to_drive(1000);
+  EXPECT_EQ(plans_.back().task, TaskKind::kGoTo);
+  EXPECT_TRUE(plans_.back().goal.has_value());
+  EXPECT_EQ(planner_->global_plan()->target->viewpoint, task.goal.position);
+  // The arrival is judged where the robot is, whatever the way is as of.
+  belief_.pose.position = {2.0, 1.0, 0.0};
+  belief_.twist = {};
+  belief_.command = Twist();
+  EXPECT_EQ(step().mode.kind, ModeKind::kDone) << plans_.back().why;
+  ASSERT_EQ(planner_->set_task({}), "");
+  begin_to_drive(1000);
+  EXPECT_EQ(plans_.back().task, TaskKind::kExplore);
+  ASSERT_EQ(planner_->set_zones({}), "");
+  begin_to_drive(1000);
+}
+
+// Whole or in pieces, the frontiers are the same.
+TEST_F(StepDeadline, PiecesGiveTheSame) {
+  give_rooms(belief_, 20.0);
+  begin(0.001);
+  const Belief first = belief_;
+  begin_to_drive(1000);
+  const std::shared_ptr<const GlobalPlan> pieces = planner_->global_plan();
+  belief_ = first;
+  begin(0.0);
+  EXPECT_EQ(step().fault, PlanFault::kNone);
+  const std::shared_ptr<const GlobalPlan> whole = planner_->global_plan();
+  EXPECT_EQ(pieces->cost_to_go->cells().data, whole->cost_to_go->cells().data);
+  ASSERT_EQ(pieces->frontiers.size(), whole->frontiers.size());
+  for (std::size_t k = 0; k < whole->frontiers.size(); ++k) {
+    EXPECT_EQ(pieces->frontiers[k].cells, whole->frontiers[k].cells);
+    EXPECT_EQ(pieces->frontiers[k].area, whole->frontiers[k].area);
+  }
+  EXPECT_EQ(pieces->target->viewpoint, whole->target->viewpoint);
+}
+
+}  // namespace
+}  // namespace prospect::step_deadline_test
