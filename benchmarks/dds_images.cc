@@ -103,7 +103,7 @@ void receive(const Setting& s) {
   options.capacity = 64;
   SensorInbox inbox(clock, options);
   DdsNode node(s.dds.address);
-  DdsTransforms transforms(node);
+  DdsTransforms transforms(node, s.dds.tf, s.dds.tf_static);
   const DdsSensors sensors(s.dds, node, transforms, inbox);
   node.start();
   sensors.wait();

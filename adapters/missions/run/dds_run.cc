@@ -31,7 +31,7 @@ ExplorationRunResult explore_dds(const Configuration& given, const DdsOptions& t
   const SteadyClock clock;
   SensorInbox inbox(clock, c.drive.inbox);
   DdsNode node(topics.address);
-  DdsTransforms transforms(node);
+  DdsTransforms transforms(node, topics.tf, topics.tf_static);
   DdsBase base(topics, node, transforms, clock, options.requests);
   const DdsSensors sensors(topics, node, transforms, inbox);
   DdsPublisher publisher(topics, node, base, clock, c.robot.model);

@@ -30,7 +30,8 @@ struct DdsBase::Impl {
     const auto T = transforms.newest(options.frames.base, child);
     if (!T) {
       throw InputError(options.odometry + ": no transform from its child_frame_id '" + child +
-                       "' to '" + options.frames.base + "'; expected it on /tf_static or /tf");
+                       "' to '" + options.frames.base + "'; expected it on " + options.tf_static +
+                       " or " + options.tf);
     }
     return *T;
   }

@@ -2,6 +2,7 @@
 
 #include <set>
 #include <string>
+#include <utility>
 
 #include "adapters/formats/files/strict_yaml.h"
 #include "adapters/robots/dds/dds_names.h"
@@ -9,14 +10,17 @@
 namespace prospect {
 namespace {
 
-/// Reads names of topics, each once.
+/// Reads names of topics, each once, those of a namespace ("" or "/NS") in full.
 class TopicReader {
  public:
   enum class Empty { kAllowed, kRefused };
+  explicit TopicReader(std::string its_namespace) : namespace_(std::move(its_namespace)) {}
   std::string read(YamlMap map, const std::string& key, const std::string& default_value,
                    const std::string& what, Empty empty) {
-    std::string name = map.text(key, default_value.empty() ? "none" : default_value, what);
+    std::string name =
+        map.text(key, default_value.empty() ? "none" : namespace_ + default_value, what);
     if (name == "none") name.clear();
+    if (!namespace_.empty() && !name.empty() && name[0] != '/') name = namespace_ + "/" + name;
     if (name.empty()) {
       if (empty == Empty::kRefused) map.problem(key, "it is none; expected a topic");
       return name;
@@ -31,8 +35,19 @@ class TopicReader {
   }
 
  private:
+  std::string namespace_;
   std::set<std::string> used_;
 };
+
+std::string read_namespace(YamlMap root) {
+  std::string name = root.text("namespace", "none", "of topics that do not begin with a slash");
+  if (name == "none") return "";
+  if (!name.starts_with("/")) name.insert(0, "/");
+  while (name.ends_with("/")) name.pop_back();
+  const std::string problem = topic_problem(name);
+  if (!problem.empty()) root.problem("namespace", problem);
+  return name;
+}
 
 std::string read_frame(YamlMap map, const std::string& key, const std::string& default_value,
                        const std::string& what) {
@@ -52,7 +67,7 @@ DdsOptions read_dds_options(const std::string& path) {
   StrictYaml yaml = StrictYaml::from_file(path);
   YamlMap root = yaml.root();
   DdsOptions o;
-  TopicReader topics;
+  TopicReader topics(read_namespace(root));
 
   o.address.domain =
       static_cast<int>(root.integer("domain", o.address.domain, 0, 232, "1", "as ROS_DOMAIN_ID"));
@@ -62,6 +77,9 @@ DdsOptions read_dds_options(const std::string& path) {
   if (o.address.configuration == "none") o.address.configuration.clear();
   o.timeout =
       root.number("timeout", o.timeout, 0.1, 600.0, "s", "to wait for calibrations and transforms");
+
+  o.tf = topics.read(root, "tf", o.tf, "TFMessage", Empty::kRefused);
+  o.tf_static = topics.read(root, "tf_static", o.tf_static, "TFMessage", Empty::kRefused);
 
   YamlMap frames = root.map("frames");
   o.frames.map = read_frame(frames, "map", o.frames.map, "of the estimate and the map");
@@ -156,8 +174,8 @@ DdsOptions read_dds_options(const std::string& path) {
   p.diagnostics =
       topics.read(output, "diagnostics", p.diagnostics, "DiagnosticArray", Empty::kAllowed);
   p.map_period = output.number("map_period", p.map_period, 0.1, 60.0, "s", "between two maps");
-  p.transforms = output.boolean("transforms", p.transforms, "map -> odom on /tf");
-  p.odom_transform = output.boolean("odom_transform", p.odom_transform, "odom -> base on /tf");
+  p.transforms = output.boolean("transforms", p.transforms, "map -> odom on tf");
+  p.odom_transform = output.boolean("odom_transform", p.odom_transform, "odom -> base on tf");
   yaml.finish();
   return o;
 }

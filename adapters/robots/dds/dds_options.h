@@ -14,6 +14,7 @@ namespace prospect {
 struct DdsOptions {
   DdsAddress address;
   double timeout = 10.0;  ///< [s] to wait for calibrations and transforms
+  std::string tf = "/tf", tf_static = "/tf_static";
 
   struct Frames {
     std::string map = "map";         ///< W, which the mission's own estimate is in
@@ -67,13 +68,15 @@ struct DdsOptions {
     std::string path = "/prospect/path", map = "/map", octomap = "/octomap_binary";
     std::string markers = "/prospect/markers", diagnostics = "/diagnostics";
     double map_period = 1.0;      ///< [s] > 0 between two maps
-    bool transforms = true;       ///< map -> odom on /tf
-    bool odom_transform = false;  ///< odom -> base on /tf, where the base's driver does not
+    bool transforms = true;       ///< map -> odom on tf
+    bool odom_transform = false;  ///< odom -> base on tf, where the base's driver does not
   } output;
 };
 
-/// Throws InputError, a line a problem with the file's line: unknown or missing keys, values out of
-/// range, names that ROS 2 does not take, topics that are used twice, no source of ranges.
+/// With `namespace: /NS` topics that the file leaves out are NS's, tf and diagnostics, too, and
+/// those without a slash at the beginning. Throws InputError, a line a problem with the file's
+/// line: unknown or missing keys, values out of range, names that ROS 2 does not take, topics that
+/// are used twice, no source of ranges.
 DdsOptions read_dds_options(const std::string& path);
 
 }  // namespace prospect

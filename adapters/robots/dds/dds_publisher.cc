@@ -106,7 +106,7 @@ struct DdsPublisher::Impl {
       diagnostics = node.advertise<ros::DiagnosticArray>(o.diagnostics, kReliableQos);
     }
     if (o.transforms || o.odom_transform) {
-      transforms = node.advertise<ros::TFMessage>("/tf", kTransformQos);
+      transforms = node.advertise<ros::TFMessage>(options.tf, kTransformQos);
     }
   }
 

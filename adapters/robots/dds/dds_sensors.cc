@@ -106,7 +106,8 @@ struct DdsSensors::Impl {
     const auto T = transforms.find(options.frames.base, header.frame, header.stamp);
     if (!T) {
       throw InputError(name + ": no transform from '" + header.frame + "' to '" +
-                       options.frames.base + "' at its stamp; expected it on /tf_static or /tf");
+                       options.frames.base + "' at its stamp; expected it on " + options.tf_static +
+                       " or " + options.tf);
     }
     return *T;
   }
@@ -140,8 +141,9 @@ struct DdsSensors::Impl {
           transforms.newest(options.frames.base, infos[camera]->frame)) {
         continue;
       }
-      lines.push_back("/tf_static, /tf: no transform from '" + infos[camera]->frame + "' to '" +
-                      options.frames.base + "' within " + number_text(options.timeout) +
+      lines.push_back(options.tf_static + ", " + options.tf + ": no transform from '" +
+                      infos[camera]->frame + "' to '" + options.frames.base + "' within " +
+                      number_text(options.timeout) +
                       " s; expected where the camera is (or mounts: robot)");
     }
     return lines;

@@ -50,20 +50,23 @@ struct DdsTransforms::Impl {
   mutable std::mutex mutex;
   TransformTree tree;
   std::set<std::string> frames;
-  double newest_stamp = 0.0;  // [s] of /tf
+  double newest_stamp = 0.0;  // [s] of what moves
+  std::string topic;
   std::vector<Held> held;
 };
 
-DdsTransforms::DdsTransforms(DdsNode& node) : impl_(std::make_shared<Impl>()) {
+DdsTransforms::DdsTransforms(DdsNode& node, const std::string& tf, const std::string& tf_static)
+    : impl_(std::make_shared<Impl>()) {
+  impl_->topic = tf;
   const auto impl = impl_;
-  const auto subscribe = [&](const char* topic, const DdsQos& qos, bool fixed) {
+  const auto subscribe = [&](const std::string& topic, const DdsQos& qos, bool fixed) {
     node.subscribe(topic, ros::definition_of<ros::TFMessage>(), qos,
                    [impl, fixed](std::string_view cdr, const std::string& name) {
                      impl->take(cdr, name, fixed);
                    });
   };
-  subscribe("/tf_static", kStaticTransformQos, true);
-  subscribe("/tf", DdsQos{false, false, 100}, false);
+  subscribe(tf_static, kStaticTransformQos, true);
+  subscribe(tf, DdsQos{false, false, 100}, false);
 }
 DdsTransforms::~DdsTransforms() = default;
 
@@ -93,7 +96,7 @@ std::string DdsTransforms::moved() const {
     const Eigen::Isometry3d by = held.T.inverse() * *T;
     const double angle = Eigen::AngleAxisd(by.linear()).angle();
     if (by.translation().norm() <= kFar && std::abs(angle) <= kFar) continue;
-    return "/tf: '" + held.from + "' has moved in '" + held.to +
+    return impl_->topic + ": '" + held.from + "' has moved in '" + held.to +
            "' since the start; expected a camera that is fixed to the body";
   }
   return {};

@@ -9,14 +9,15 @@
 
 namespace prospect {
 
-/// The frames of a robot behind topics of ROS 2, as /tf_static and /tf tell them. Of what moves the
-/// newest 5 s are kept.
+/// The frames of a robot behind topics of ROS 2, as its topics of transforms tell them. Of what
+/// moves the newest 5 s are kept.
 ///
 /// Declares its topics on the node: make it before DdsNode::start(). Transforms that are none, and
 /// more than 10 000 frames, are faults of their topic. Thread-safety: any thread.
 class DdsTransforms {
  public:
-  explicit DdsTransforms(DdsNode& node);
+  explicit DdsTransforms(DdsNode& node, const std::string& tf = "/tf",
+                         const std::string& tf_static = "/tf_static");
   ~DdsTransforms();
 
   /// Coordinates of `from` to those of `to` at `stamp` [s] of the robot's clock. What moves is

@@ -63,6 +63,32 @@ TEST(DdsOptions, ReadsWhatIsGivenAndKeepsTheRest) {
   EXPECT_EQ(o.output.map, "/map");
 }
 
+TEST(DdsOptions, ARobotMayBeInANamespace) {
+  const std::string rest = "command: {dead_man: 0.5}\n";
+  for (const char* name : {"a200/x", "/a200/x", "/a200/x/"}) {
+    const DdsOptions o = read("namespace: " + std::string(name) +
+                              "\nscan: sensors/scan\nodometry: /odom\n"
+                              "output: {map: none, path: plan}\n" +
+                              rest);
+    EXPECT_EQ(o.tf, "/a200/x/tf");
+    EXPECT_EQ(o.tf_static, "/a200/x/tf_static");
+    EXPECT_EQ(o.stereo.left, "/a200/x/left/image_rect");
+    EXPECT_EQ(o.scan, "/a200/x/sensors/scan");
+    EXPECT_EQ(o.odometry, "/odom");
+    EXPECT_EQ(o.command.stamped, "/a200/x/cmd_vel");
+    EXPECT_EQ(o.command.plain, "");
+    EXPECT_EQ(o.output.map, "");
+    EXPECT_EQ(o.output.path, "/a200/x/plan");
+  }
+  const DdsOptions o = read("tf: /n/tf\ntf_static: /n/tf_static\n" + rest);
+  EXPECT_EQ(o.tf, "/n/tf");
+  EXPECT_EQ(o.tf_static, "/n/tf_static");
+  EXPECT_EQ(o.odometry, "/odom");
+  EXPECT_EQ(read(rest).tf, "/tf");
+  EXPECT_THAT(refusal("namespace: a b\n" + rest), HasSubstr("yaml:1: namespace"));
+  EXPECT_THAT(refusal("tf: none\n" + rest), HasSubstr("yaml:1: tf"));
+}
+
 TEST(DdsOptions, NamesTheLineOfWhatIsWrong) {
   struct Row {
     const char *text, *expected;

@@ -20,8 +20,8 @@ using ::testing::HasSubstr;
 class Publisher {
  public:
   Publisher() : node_(test::dds_test_address("state")) {
-    fixed_ = node_.advertise<ros::TFMessage>("/tf_static", kStaticTransformQos);
-    moving_ = node_.advertise<ros::TFMessage>("/tf", kTransformQos);
+    fixed_ = node_.advertise<ros::TFMessage>("/robot/tf_static", kStaticTransformQos);
+    moving_ = node_.advertise<ros::TFMessage>("/robot/tf", kTransformQos);
     node_.start();
   }
   void fixed(const std::string& parent, const std::string& child, double x) {
@@ -47,7 +47,7 @@ class Publisher {
 
 TEST(DdsTransforms, AHeadThatTurnsIsWhereItWasThen) {
   DdsNode node(test::dds_test_address("prospect"));
-  DdsTransforms transforms(node);
+  DdsTransforms transforms(node, "/robot/tf", "/robot/tf_static");
   node.start();
   Publisher publisher;
   const auto known = [&](const char* from, double stamp) {
