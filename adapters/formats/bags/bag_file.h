@@ -64,6 +64,9 @@ class McapFile {
   std::uint64_t cached_ = 0;  ///< offset of the chunk that is at hand; 0: none
   std::string cache_;
 };
+/// SQL that a file brings (views, triggers, computed columns, virtual tables) is refused. What is
+/// in it is listed in a child process of bounded memory and processor time; a message is no longer
+/// than the file.
 class BagDatabase {
  public:
   BagDatabase(const std::string& path, std::size_t file, std::vector<BagTopic>& topics);
