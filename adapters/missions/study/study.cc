@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 #include <set>
+#include <sstream>
 #include <system_error>
 
 #include "adapters/formats/files/parse_number.h"
@@ -73,6 +74,7 @@ class StudyReader {
     read_seeds();
     read_conditions();
     read_grid();
+    count_cells();
     yaml_.finish();
     return std::move(study_);
   }
@@ -188,6 +190,21 @@ class StudyReader {
       study_.conditions.push_back({name, settings(conditions.map(name), "")});
     }
     if (study_.conditions.empty()) study_.conditions.push_back({});
+  }
+
+  /// Before any of them is made: a few axes are soon more than memory holds.
+  void count_cells() {
+    constexpr double kMostSetups = 1e4, kMostCells = 1e6;
+    double setups = static_cast<double>(study_.conditions.size());
+    for (const StudyAxis& axis : study_.grid) setups *= static_cast<double>(axis.values.size());
+    const double cells = setups * static_cast<double>(study_.inputs.size()) *
+                         static_cast<double>(study_.seeds.size());
+    std::ostringstream counted;
+    counted << setups << " setups, " << cells << " cells";
+    if (setups > kMostSetups || cells > kMostCells) {
+      root_.problem(study_.grid.empty() ? "seeds" : "grid",
+                    counted.str() + " in all; expected at most 10000 setups and 1000000 cells");
+    }
   }
 
   void read_grid() {

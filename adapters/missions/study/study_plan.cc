@@ -56,7 +56,7 @@ std::vector<std::vector<std::size_t>> grid_points(const std::vector<StudyAxis>& 
 std::string world_settings(const Configuration& configuration) {
   std::string text;
   for (const ConfigEntry& entry : configuration.entries) {
-    for (const char* part : {"robot.", "world.", "simulator."}) {
+    for (const char* part : {"robot.", "world.", "simulator.", "task."}) {
       if (entry.path.starts_with(part)) text += entry.path + '=' + entry.value + '\n';
     }
   }

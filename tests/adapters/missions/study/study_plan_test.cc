@@ -47,6 +47,26 @@ TEST(StudyPlan, HasACellForEachWorldSeedConditionAndPointOfTheGrid) {
   EXPECT_EQ(std::set<std::string>(names.begin(), names.end()).size(), 32U);
 }
 
+TEST(StudyPlan, IsCountedBeforeItIsMade) {
+  std::string grid, values;
+  for (int n = 10; n < 40; ++n) values += (values.empty() ? "" : ", ") + std::to_string(n);
+  for (const char* key : {"N", "w_a", "w_b", "w_c", "w_d", "w_e", "w_f"}) {
+    grid += (grid.empty() ? "" : ", ") + ("planner." + std::string(key)) + ": [" + values + "]";
+  }
+  const auto refusal = [](const std::string& text) -> std::string {
+    try {
+      study_from_text(text, "s.yaml");
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  EXPECT_THAT(refusal("worlds: office\ngrid: {" + grid + "}\n"),
+              HasSubstr("s.yaml:2: grid: 2.187e+10 setups"));
+  EXPECT_THAT(refusal("worlds: [office, loop]\nseeds: 1..900000\n"),
+              HasSubstr("s.yaml:2: seeds: 1 setups, 1.8e+06 cells"));
+}
+
 TEST(StudyPlan, ACellIsNamedByWhatItsMissionDependsOn) {
   const std::string text = "worlds: office\nconditions: {a: {planner.N: 12}}\n";
   const std::string id = ids(plan_of(text)).at(0);
