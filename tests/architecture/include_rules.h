@@ -205,9 +205,9 @@ inline std::string library_of(const std::string& header) {
   if (header.rfind("nlopt", 0) == 0) return "nlopt";
   if (header.rfind("hdf5", 0) == 0 || header.rfind("H5", 0) == 0) return "hdf5";
   if (std::regex_match(header, std::regex("(coin/|coin-or/)?(Ip[A-Z].*)"))) return "Ipopt";
-  // <vector>, <sys/ioctl.h>, <unistd.h>: no path or the system's own.
-  if (header.find('/') == std::string::npos || first == "sys" || first == "netinet" ||
-      first == "arpa") {
+  // <vector>, <sys/ioctl.h>, <ext/stdio_filebuf.h>: no path, the system's or the compiler's own.
+  if (header.find('/') == std::string::npos || first == "sys" || first == "ext" ||
+      first == "netinet" || first == "arpa") {
     return "";
   }
   return first;  // a library nobody has allowed

@@ -2,8 +2,10 @@
 
 #include "adapters/formats/files/child_process.h"
 #include "adapters/program/cli/command_line.h"
+#include "adapters/program/cli/printable_output.h"
 
 int main(int argc, char** argv) {
+  const prospect::PrintableOutput printable;
   return prospect::run_command_line(
       argc, argv,
       [](const std::string& path, const prospect::PluginTargets& targets) {

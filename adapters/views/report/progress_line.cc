@@ -7,10 +7,13 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <ext/stdio_filebuf.h>
 #include <iostream>
+#include <memory>
 #include <string_view>
 #include <vector>
 
+#include "adapters/formats/files/printable_text.h"
 #include "engine/support/named.h"
 
 namespace prospect {
@@ -68,8 +71,18 @@ ProgressLine ProgressLine::on_stderr() {
   if (tty && ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0) {
     columns = size.ws_col;
   }
-  // A dumb terminal cannot rewrite a line.
-  return {std::cerr, {tty && !dumb, !(no_color && *no_color), columns}};
+  // A file of its own: standard error may replace the control characters that this line is drawn
+  // with. A dumb terminal cannot rewrite a line.
+  struct Errors : __gnu_cxx::stdio_filebuf<char>, std::ostream {
+    Errors()
+        : __gnu_cxx::stdio_filebuf<char>(::dup(STDERR_FILENO), std::ios::out), std::ostream(this) {}
+  };
+  ProgressLine line(std::cerr, {tty && !dumb, !(no_color && *no_color), columns});
+  if (line.terminal_.tty) {
+    line.own_ = std::make_shared<Errors>();
+    line.out_ = line.own_.get();
+  }
+  return line;
 }
 
 void ProgressLine::show(const StepRecord& step, const std::string& solver, double now_seconds) {
@@ -119,7 +132,8 @@ void ProgressLine::show(const StepRecord& step, const std::string& solver, doubl
 
 void ProgressLine::show(const std::string& text, double now_seconds) {
   if (!terminal_.tty) return;
-  put(text.substr(0, static_cast<std::size_t>(std::max(0, terminal_.columns - 1))), now_seconds);
+  put(printable(text.substr(0, static_cast<std::size_t>(std::max(0, terminal_.columns - 1)))),
+      now_seconds);
 }
 
 void ProgressLine::put(const std::string& line, double now_seconds) {

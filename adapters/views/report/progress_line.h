@@ -1,6 +1,7 @@
 #pragma once
 
 #include <iosfwd>
+#include <memory>
 #include <string>
 
 #include "adapters/missions/run/run_record.h"
@@ -25,7 +26,7 @@ class ProgressLine {
     bool color = false;  ///< whether colour is asked for
     int columns = 100;   ///< its width; the line is cut to one less, as one that wraps stays
   };
-  /// The stream outlives this object.
+  /// The stream outlives this object. Of texts that are shown no control character reaches it.
   ProgressLine(std::ostream& out, const Terminal& terminal);
   /// On stderr as it is: a terminal or not, its width, and NO_COLOR (any non-empty value turns
   /// colour off, see no-color.org) and TERM=dumb from the environment.
@@ -43,6 +44,7 @@ class ProgressLine {
   void put(const std::string& line, double now_seconds);
   void write(const std::string& line);
 
+  std::shared_ptr<std::ostream> own_;  ///< of on_stderr()
   std::ostream* out_;
   Terminal terminal_;
   bool shown_ = false;
