@@ -7,8 +7,6 @@
 // Processor time is what counts where others keep the machine busy; there the wall clock ends the
 // polishing earlier. The floor is what a step takes that has no time to polish
 // (--deadline 0.001).
-#include <time.h>
-
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
@@ -32,26 +30,6 @@
 namespace prospect {
 namespace {
 
-/// Processor time of the process: a step with a deadline does a part of its work in a thread that
-/// it waits for.
-class ProcessStopwatch {
- public:
-  /// Milliseconds since construction or the last lap.
-  double lap() {
-    const double before = last_;
-    last_ = now();
-    return last_ - before;
-  }
-
- private:
-  static double now() {
-    timespec t{};
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-    return 1e3 * static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_nsec);
-  }
-  double last_ = now();
-};
-
 /// Times each step of the planner that it stands for.
 class TimedPlanner final : public Replanner {
  public:
@@ -65,7 +43,8 @@ class TimedPlanner final : public Replanner {
         processor_(processor),
         guard_(guard) {}
   Plan plan(const Belief& belief) override {
-    ProcessStopwatch watch;
+    // A step with a deadline does a part of its work in a thread that it waits for.
+    ProcessorStopwatch watch(CLOCK_PROCESS_CPUTIME_ID);
     planner_->prepare(belief);
     prepared_.push_back(watch.lap());
     Plan plan = planner_->plan(belief);

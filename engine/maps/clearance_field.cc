@@ -50,7 +50,7 @@ void require(bool condition, const std::string& message) {
 
 ClearanceField::ClearanceField(const Eigen::Vector3d& center, const VoxelGrid& voxels,
                                const GroundMap& ground, const Options& options,
-                               const ClearanceField* previous)
+                               const ClearanceField* previous, const PausePoint& pause)
     : options_(options) {
   const double r = voxels.resolution();
   require(center.allFinite() && center.cwiseAbs().maxCoeff() < 1e6,
@@ -102,21 +102,21 @@ ClearanceField::ClearanceField(const Eigen::Vector3d& center, const VoxelGrid& v
     cells_depth_ = depth_ + 2 * halo_;
   }
 
-  gather(voxels, ground);
+  gather(voxels, ground, pause);
   if (previous != nullptr && previous->resolution() == r &&
       previous->options_.cutoff == options.cutoff &&
       previous->options_.vertical == options.vertical) {
     offset_distance_ = previous->offset_distance_;
   } else {
-    measure_offsets();
+    measure_offsets(pause);
   }
   if (halo_ <= kShortHalo) {
-    transform<std::int16_t>();
+    transform<std::int16_t>(pause);
   } else {
-    transform<std::int32_t>();
+    transform<std::int32_t>(pause);
   }
-  if (options.zones != nullptr && options.zones->num_forbidden() > 0) keep_out();
-  correct();
+  if (options.zones != nullptr && options.zones->num_forbidden() > 0) keep_out(pause);
+  correct(pause);
 }
 
 GridFrame ClearanceField::stored_part(const VoxelGrid& voxels, const GroundMap& ground) const {
@@ -153,7 +153,8 @@ GridFrame ClearanceField::stored_part(const VoxelGrid& voxels, const GroundMap& 
   return part;
 }
 
-void ClearanceField::gather(const VoxelGrid& voxels, const GroundMap& ground) {
+void ClearanceField::gather(const VoxelGrid& voxels, const GroundMap& ground,
+                            const PausePoint& pause) {
   solid_.assign(static_cast<std::size_t>(cells_.size()) * static_cast<std::size_t>(cells_depth_),
                 0);
   const bool unknown_counts = options_.obstacles == Obstacles::kOccupiedAndUnknown;
@@ -165,6 +166,7 @@ void ClearanceField::gather(const VoxelGrid& voxels, const GroundMap& ground) {
     const int low = std::clamp(cells_k0_, grid_low, grid_high);
     const int high = std::clamp(cells_k0_ + cells_depth_, low, grid_high);
     for (int n = 0; n < cells_.size(); ++n, column += cells_depth_) {
+      if (n % 256 == 0) pause();
       const Cell c = cells_.at(n);
       if (unknown_counts) std::fill_n(column, cells_depth_, std::uint8_t{1});
       if (!voxels.frame().contains(c) || high == low) continue;
@@ -181,6 +183,7 @@ void ClearanceField::gather(const VoxelGrid& voxels, const GroundMap& ground) {
   const int low = static_cast<int>(std::clamp<double>(low_voxel, grid_low, grid_high));
   const int high = static_cast<int>(std::clamp<double>(high_voxel, low, grid_high));
   for (int n = 0; n < cells_.size(); ++n, ++column) {
+    if (n % 1024 == 0) pause();
     const Cell c = cells_.at(n);
     bool solid = unknown_counts && !ground.explored(c);
     if (!solid && high > low && voxels.frame().contains(c)) {
@@ -191,7 +194,7 @@ void ClearanceField::gather(const VoxelGrid& voxels, const GroundMap& ground) {
   }
 }
 
-void ClearanceField::measure_offsets() {
+void ClearanceField::measure_offsets(const PausePoint& pause) {
   const double r = nodes_.resolution;
   const double steps = 2.0 * options_.cutoff / r;
   offset_distance_.assign(static_cast<std::size_t>(std::floor(steps * steps)) + 1,
@@ -211,6 +214,7 @@ void ClearanceField::measure_offsets() {
         const std::size_t q =
             static_cast<std::size_t>(squared_gap(a) + squared_gap(b) + squared_gap(c));
         if (q >= offset_distance_.size() || !std::isnan(offset_distance_[q])) continue;
+        pause();
         at_offset.translation() = r * Eigen::Vector3d(a, b, c);
         fcl::DistanceResultd result;
         fcl::distance(&probe, at_origin, &voxel, at_offset, request, result);
@@ -221,7 +225,7 @@ void ClearanceField::measure_offsets() {
 }
 
 template <typename T>
-void ClearanceField::transform() {
+void ClearanceField::transform(const PausePoint& pause) {
   constexpr T kFar = far_gap<T>;
   const int M = halo_;
   const int D = depth_;
@@ -240,6 +244,7 @@ void ClearanceField::transform() {
   // then to free ones, for nodes inside.
   for (const std::uint8_t wanted : {std::uint8_t{1}, std::uint8_t{0}}) {
     for (int j = 0; j < cells_.height; ++j) {
+      pause();
       const std::uint8_t* solid =
           solid_.data() + static_cast<std::ptrdiff_t>(j) * cells_.width * cells_depth_;
       if (cells_depth_ == 1) {
@@ -287,6 +292,7 @@ void ClearanceField::transform() {
     const double sign = wanted == 1 ? 1.0 : -1.0;
     const double far = sign * options_.cutoff;
     for (int j = 0; j < nodes_.height; ++j) {
+      pause();
       std::fill(nearest.begin(), nearest.end(), kFar);
       for (int b = -M; b <= M; ++b) {
         const T add = gap2[static_cast<std::size_t>(std::abs(b))];
@@ -306,16 +312,17 @@ void ClearanceField::transform() {
   }
 }
 
-void ClearanceField::keep_out() {
+void ClearanceField::keep_out(const PausePoint& pause) {
   double* value = values_.data();
   for (int n = 0; n < nodes_.size(); ++n) {
+    if (n % 64 == 0) pause();
     const double distance = std::clamp(options_.zones->distance(nodes_.center(nodes_.at(n))),
                                        -options_.cutoff, options_.cutoff);
     for (int k = 0; k < depth_; ++k, ++value) *value = std::min(*value, distance);
   }
 }
 
-void ClearanceField::correct() {
+void ClearanceField::correct(const PausePoint& pause) {
   coefficients_.resize(values_.size());
   const std::ptrdiff_t D = depth_;
   const std::ptrdiff_t step_i = D;
@@ -326,6 +333,7 @@ void ClearanceField::correct() {
     return std::max(0.0, low - 2.0 * at + high);
   };
   for (int j = 0; j < nodes_.height; ++j) {
+    pause();
     for (int i = 0; i < nodes_.width; ++i, f += D, c += D) {
       // Beyond the border f continues as a constant: a missing neighbour is the node itself.
       const double* left = i > 0 ? f - step_i : f;

@@ -8,6 +8,7 @@
 #include "engine/maps/grid.h"
 #include "engine/maps/ground_map.h"
 #include "engine/maps/voxel_grid.h"
+#include "engine/support/resumable.h"
 #include "engine/task/zone_map.h"
 #include "models/robot_shape.h"
 
@@ -90,7 +91,8 @@ class ClearanceField {
   /// null or any field; it is used only where its options and resolution are the same, and not
   /// kept. Throws std::invalid_argument for a non-finite centre or options out of range.
   ClearanceField(const Eigen::Vector3d& center, const VoxelGrid& voxels, const GroundMap& ground,
-                 const Options& options, const ClearanceField* previous = nullptr);
+                 const Options& options, const ClearanceField* previous = nullptr,
+                 const PausePoint& pause = {});
 
   /// d(p) [m] at p in W, and, unless null, its gradient [-] (z: 0 in the planar case).
   double distance(const Eigen::Vector3d& p, Eigen::Vector3d* gradient = nullptr) const;
@@ -115,13 +117,13 @@ class ClearanceField {
   }
   /// The part of the window beyond which f is the same everywhere.
   GridFrame stored_part(const VoxelGrid& voxels, const GroundMap& ground) const;
-  void gather(const VoxelGrid& voxels, const GroundMap& ground);
-  void measure_offsets();
+  void gather(const VoxelGrid& voxels, const GroundMap& ground, const PausePoint& pause);
+  void measure_offsets(const PausePoint& pause);
   /// Squared gaps are counted in half voxels, in integers of type T.
   template <typename T>
-  void transform();
-  void keep_out();
-  void correct();
+  void transform(const PausePoint& pause);
+  void keep_out(const PausePoint& pause);
+  void correct(const PausePoint& pause);
 
   Options options_;
   int halo_ = 0;      // voxels beyond the nodes that can matter: those within the cutoff

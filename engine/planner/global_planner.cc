@@ -50,22 +50,23 @@ const Traversability& GlobalPlanner::traversability() const {
   return goal_planner_ ? goal_planner_->traversability() : frontier_planner_.traversability();
 }
 
-std::shared_ptr<const GlobalPlan> GlobalPlanner::update(
-    const Belief& belief, const PlannerParameters& parameters, double frontier_stamp,
-    const FrontierActivity& activity, const LocalTexture* texture, WorkerThreads& workers,
-    Facts& facts, const PausePoint& pause) {
+WholeMap GlobalPlanner::update(const Belief& belief, const PlannerParameters& parameters,
+                               double frontier_stamp, const FrontierActivity& activity,
+                               const LocalTexture* texture, WorkerThreads& workers,
+                               const PausePoint& pause) {
   if (!start_) start_ = belief.pose;
-  std::shared_ptr<const GlobalPlan> global_plan;
+  WholeMap whole{.stamp = belief.stamp};
   if (parameters.task.kind == TaskKind::kExplore) {
-    global_plan = explore(belief, parameters, frontier_stamp, activity, texture, workers, pause);
-    facts.frontiers = global_plan->facts;
+    whole.global_plan =
+        explore(belief, parameters, frontier_stamp, activity, texture, workers, pause);
+    whole.frontiers = whole.global_plan->facts;
   } else if (has_goal(parameters.task.kind)) {
-    global_plan = go(belief, parameters, activity, pause);
-    facts.goal = goal_planner_->facts();
+    whole.global_plan = go(belief, parameters, activity, pause);
+    whole.goal = goal_planner_->facts();
   } else {
-    global_plan = stay(belief);
+    whole.global_plan = stay(belief);
   }
-  return global_plan;
+  return whole;
 }
 
 std::shared_ptr<const GlobalPlan> GlobalPlanner::explore(

@@ -16,6 +16,14 @@
 
 namespace prospect {
 
+/// What a step makes of the whole map for its task.
+struct WholeMap {
+  std::shared_ptr<const GlobalPlan> global_plan{};
+  std::optional<FrontierFacts> frontiers{};  ///< of the task to explore
+  std::optional<GoalFacts> goal{};           ///< of one that leads to a place
+  double stamp = 0.0;                        ///< of its belief [s]
+};
+
 /// The global plan of whatever the robot is told: towards frontiers, to a goal, back to where it
 /// was first, or none. What was learned of frontiers is kept over other tasks.
 ///
@@ -28,12 +36,9 @@ class GlobalPlanner {
 
   /// A step with parameters.task. frontier_stamp [s]: the belief's stamp on the clock of exploring;
   /// texture: of what is seen nearby, null where the localization does not rest on features.
-  /// Writes facts.frontiers or facts.goal.
-  std::shared_ptr<const GlobalPlan> update(const Belief& belief,
-                                           const PlannerParameters& parameters,
-                                           double frontier_stamp, const FrontierActivity& activity,
-                                           const LocalTexture* texture, WorkerThreads& workers,
-                                           Facts& facts, const PausePoint& pause = {});
+  WholeMap update(const Belief& belief, const PlannerParameters& parameters, double frontier_stamp,
+                  const FrontierActivity& activity, const LocalTexture* texture,
+                  WorkerThreads& workers, const PausePoint& pause = {});
 
   /// Another task from the next step on: its path begins anew.
   void restart_task() { goal_planner_.reset(); }

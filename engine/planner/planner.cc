@@ -104,6 +104,17 @@ bool drives_nowhere(const Plan& plan) {
                      [](const Twist& c) { return c.linear.norm() < 1e-3; });
 }
 
+/// Adds to why it does not drive.
+void tell_unknown_place(const Belief& belief, const PlannerParameters& parameters, Plan& plan) {
+  if (parameters.unknown != UnknownPolicy::kFree && drives_nowhere(plan) &&
+      stands_on_unknown(*belief.ground, belief.pose.position.head<2>(),
+                        parameters.frontier_planner.traversability.hard_radius)) {
+    plan.why +=
+        " The map knows nothing of where the robot stands, and what is unknown is not entered: "
+        "enter the robot's place and the ring that its sensor does not see as free.";
+  }
+}
+
 /// Why nothing can be planned from this belief; empty if something can.
 std::string unusable(const Belief& belief) {
   if (!belief.octree || !belief.voxels || !belief.ground ||
@@ -120,12 +131,10 @@ std::string unusable(const Belief& belief) {
   return "";
 }
 
-/// What a step makes of the whole map for its task.
-struct WholeMap {
-  std::shared_ptr<const GlobalPlan> global_plan{};
-  std::optional<FrontierFacts> frontiers{};
-  std::optional<GoalFacts> goal{};
-  double stamp = 0.0;  // of its belief [s]
+/// How far obstacles are, about the robot.
+struct Distances {
+  std::shared_ptr<const ClearanceField> occupied{}, known{};
+  std::shared_ptr<const BodyClearance> body{}, known_body{};
 };
 
 /// What the robot did since frontiers were last looked at, over several steps.
@@ -183,6 +192,10 @@ class StepTime {
   Clock::time_point global_plan(bool has_earlier) const {
     return at(has_earlier ? std::max(0.2, left()) : kAlone);
   }
+  /// The same of distances to obstacles, from now on.
+  Clock::time_point clearance(bool has_earlier) const {
+    return std::max(at(has_earlier ? 0.3 : kAlone), later(kLeast));
+  }
   /// Whether there is time for what comes after them, or as much as there will be.
   bool suffices() const { return !(seconds_ > 0.0) || Clock::now() <= at(std::max(0.3, left())); }
 
@@ -192,8 +205,11 @@ class StepTime {
   double left() const { return 0.95 - after_ / seconds_; }
   Clock::time_point at(double share) const {
     if (!(seconds_ > 0.0)) return Clock::time_point::max();
-    return begun_ + std::chrono::duration_cast<Clock::duration>(
-                        std::chrono::duration<double>(std::max(kLeast, share * seconds_)));
+    return begun_ + duration(std::max(kLeast, share * seconds_));
+  }
+  Clock::time_point later(double seconds) const { return Clock::now() + duration(seconds); }
+  static Clock::duration duration(double seconds) {
+    return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
   }
 
   Clock::time_point begun_ = Clock::now();
@@ -301,6 +317,8 @@ struct Planner::Impl {
                       StepInTheMaking& making);
   void specify(const Belief& belief, ModeKind mode, const StepLandmarks& landmarks,
                StepInTheMaking& making);
+  /// update_clearance(), as of this step or an earlier one; false: there is none yet.
+  bool take_clearance(const StepTime& time, StepInTheMaking& making);
   SeedContext seed_context(const Belief& belief, const StepInTheMaking& making) const;
   void remember(const Plan& plan, StepInTheMaking&& making);
   /// planner_misfit() with maps of that resolution [m].
@@ -318,6 +336,7 @@ struct Planner::Impl {
   // works on.
   Resumed<std::shared_ptr<const StepLandmarks>> landmark_work;
   Resumed<WholeMap> map_work;
+  Resumed<Distances> clearance_work;
 };
 
 void Planner::Impl::prepare(const Belief& given) {
@@ -349,14 +368,8 @@ bool Planner::Impl::update_whole_map(const Belief& given, std::shared_ptr<const 
                      stamp = given.stamp - clock.away()](const PausePoint& pause) {
     attended = true;
     of_frontiers = parameters.task.kind == TaskKind::kExplore;
-    Facts facts;
-    WholeMap whole;
-    whole.global_plan =
-        global_planner.update(belief, parameters, stamp, did,
-                              seen->texture ? &*seen->texture : nullptr, workers, facts, pause);
-    whole.frontiers = std::move(facts.frontiers);
-    whole.goal = std::move(facts.goal);
-    whole.stamp = belief.stamp;
+    WholeMap whole = global_planner.update(
+        belief, parameters, stamp, did, seen->texture ? &*seen->texture : nullptr, workers, pause);
     told = false;
     return whole;
   };
@@ -417,7 +430,7 @@ Plan Planner::Impl::plan(const Belief& given, const StopCondition& asked) {
   specify(belief, mode, *seen, making);
   ProblemSpecification& specification = *making.specification;
   plan.times.views = watch.lap();
-  update_clearance(specification, making.evaluators);
+  if (!take_clearance(time, making)) return unfinished("the distances to obstacles");
   plan.times.clearance = watch.lap();
   update_views(specification, making.evaluators);
   making.visibility = making.evaluators.prediction->probabilities(belief.pose);
@@ -471,13 +484,7 @@ Plan Planner::Impl::plan(const Belief& given, const StopCondition& asked) {
                         plan)) {
     brake_instead(belief, plan);
   }
-  if (parameters.unknown != UnknownPolicy::kFree && drives_nowhere(plan) &&
-      stands_on_unknown(*belief.ground, belief.pose.position.head<2>(),
-                        parameters.frontier_planner.traversability.hard_radius)) {
-    plan.why +=
-        " The map knows nothing of where the robot stands, and what is unknown is not entered: "
-        "enter the robot's place and the ring that its sensor does not see as free.";
-  }
+  tell_unknown_place(belief, parameters, plan);
   tell(failed, plan);
   if (outer() == StopRequest::kCancelled) {
     plan.stop = StopReason::kCancelled;
@@ -566,6 +573,29 @@ void Planner::Impl::specify(const Belief& belief, ModeKind mode, const StepLandm
   making.num_mapped = made.num_mapped;
 }
 
+bool Planner::Impl::take_clearance(const StepTime& time, StepInTheMaking& making) {
+  CachedEvaluators& now = making.evaluators;
+  const bool has_earlier = clearance_work.newest().has_value();
+  if (const auto& last = clearance_work.newest(); last && now.occupied == nullptr) {
+    now.occupied = last->occupied;
+    now.known = last->known;
+  }
+  clearance_work.update(
+      [specification = making.specification, before = now](const PausePoint& pause) {
+        CachedEvaluators made = before;
+        update_clearance(*specification, made, pause);
+        return Distances{made.occupied, made.known, made.body, made.known_body};
+      },
+      time.clearance(has_earlier));
+  if (!clearance_work.newest() || (!has_earlier && !time.suffices())) return false;
+  const Distances& newest = *clearance_work.newest();
+  now.occupied = newest.occupied;
+  now.known = newest.known;
+  now.body = newest.body;
+  now.known_body = newest.known_body;
+  return true;
+}
+
 SeedContext Planner::Impl::seed_context(const Belief& belief, const StepInTheMaking& making) const {
   SeedContext context;
   context.cost_to_go = making.global_plan->cost_to_go.get();
@@ -648,6 +678,7 @@ void Planner::Impl::use_zones(const Zones& given) {
   certifier.set_zones(zones);
   prepared.reset();
   map_work.give_up();
+  clearance_work.give_up();
   parameters.frontier_planner.traversability.zones = zones;
   global_planner.restart(parameters.frontier_planner);
 }

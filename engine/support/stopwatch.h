@@ -21,10 +21,12 @@ class Stopwatch {
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
-/// Processor time of the calling thread: what work costs where others keep the machine busy.
+/// Processor time of the calling thread, or of all of the process: what work costs where others
+/// keep the machine busy.
 class ProcessorStopwatch {
  public:
-  /// Milliseconds of this thread since construction or the last lap.
+  explicit ProcessorStopwatch(clockid_t clock = CLOCK_THREAD_CPUTIME_ID) : clock_(clock) {}
+  /// Milliseconds since construction or the last lap.
   double lap() {
     const double before = last_;
     last_ = now();
@@ -32,11 +34,12 @@ class ProcessorStopwatch {
   }
 
  private:
-  static double now() {
+  double now() const {
     timespec t{};
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    clock_gettime(clock_, &t);
     return 1e3 * static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_nsec);
   }
+  clockid_t clock_;
   double last_ = now();
 };
 

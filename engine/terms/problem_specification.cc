@@ -70,7 +70,8 @@ std::vector<Eigen::Vector3d> positions(const std::vector<Landmark>& landmarks) {
   return points;
 }
 
-void update_clearance(const ProblemSpecification& specification, CachedEvaluators& evaluators) {
+void update_clearance(const ProblemSpecification& specification, CachedEvaluators& evaluators,
+                      const PausePoint& pause) {
   require(specification.voxels != nullptr, "voxels");
   require(specification.ground != nullptr, "ground map");
   ClearanceField::Options options = specification.clearance_field;
@@ -78,7 +79,7 @@ void update_clearance(const ProblemSpecification& specification, CachedEvaluator
   options.obstacles = ClearanceField::Obstacles::kOccupied;
   evaluators.occupied = std::make_shared<const ClearanceField>(
       specification.clearance_center, *specification.voxels, *specification.ground, options,
-      evaluators.occupied.get());
+      evaluators.occupied.get(), pause);
   evaluators.body =
       std::make_shared<const BodyClearance>(evaluators.occupied, specification.robot.shape);
   if (specification.unknown == UnknownPolicy::kFree) {
@@ -89,7 +90,7 @@ void update_clearance(const ProblemSpecification& specification, CachedEvaluator
   options.obstacles = ClearanceField::Obstacles::kOccupiedAndUnknown;
   evaluators.known = std::make_shared<const ClearanceField>(
       specification.clearance_center, *specification.voxels, *specification.ground, options,
-      evaluators.known.get());
+      evaluators.known.get(), pause);
   evaluators.known_body =
       std::make_shared<const BodyClearance>(evaluators.known, specification.robot.shape);
 }

@@ -107,7 +107,8 @@ struct CachedEvaluators {
 /// The steps to a Problem, in this order, each on the evaluators of the one before (and,
 /// where there are any, of the problem before). All throw std::invalid_argument naming the entry,
 /// its value and what was expected.
-void update_clearance(const ProblemSpecification& specification, CachedEvaluators& evaluators);
+void update_clearance(const ProblemSpecification& specification, CachedEvaluators& evaluators,
+                      const PausePoint& pause = {});
 void update_views(const ProblemSpecification& specification, CachedEvaluators& evaluators);
 void update_added_terms(const ProblemSpecification& specification, CachedEvaluators& evaluators);
 std::shared_ptr<const Problem> assemble_problem(const ProblemSpecification& specification,

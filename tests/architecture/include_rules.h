@@ -33,7 +33,7 @@ inline std::vector<std::pair<std::string, RoomRules>> architecture() {
       // Facts only: no maps, no problem, no solver.
       {"engine/behaviour", {{"models", "engine/maps/localization.h"}, eigen, eigen}},
       {"engine/task", {{"models", "engine/behaviour/task_kind.h"}, eigen, eigen}},
-      {"engine/maps", {{"models", "engine/task"}, geometry, eigen}},
+      {"engine/maps", {{"models", "engine/task", "engine/support/resumable.h"}, geometry, eigen}},
       {"engine/problem", {{"models", "engine/task"}, eigen, eigen}},
       {"engine/features",
        {{"models", "engine/support", "engine/maps", "engine/problem"}, geometry, eigen}},

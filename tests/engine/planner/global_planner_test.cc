@@ -12,27 +12,26 @@ struct Robot {
   PlannerParameters parameters = scene.planner->parameters();
   GlobalPlanner planner{scene.planner->robot(), parameters};
   WorkerThreads workers{1};
-  Facts facts;
+  WholeMap whole;
 
   std::shared_ptr<const GlobalPlan> step() {
-    facts = {};
-    return planner.update(scene.belief, parameters, scene.belief.stamp, {}, nullptr, workers,
-                          facts);
+    whole = planner.update(scene.belief, parameters, scene.belief.stamp, {}, nullptr, workers);
+    return whole.global_plan;
   }
 };
 
 TEST(GlobalPlanner, LeadsToWhatTheTaskSays) {
   Robot r;
   EXPECT_TRUE(r.step()->target.has_value());
-  EXPECT_TRUE(r.facts.frontiers.has_value());
+  EXPECT_TRUE(r.whole.frontiers.has_value());
   EXPECT_FALSE(r.planner.goal().has_value());
 
   r.parameters.task.kind = TaskKind::kGoTo;
   r.parameters.task.goal.position = {0.6, 0.4};
   r.planner.restart_task();
   r.step();
-  EXPECT_TRUE(r.facts.goal.has_value());
-  EXPECT_FALSE(r.facts.frontiers.has_value());
+  EXPECT_TRUE(r.whole.goal.has_value());
+  EXPECT_FALSE(r.whole.frontiers.has_value());
   ASSERT_TRUE(r.planner.goal().has_value());
   EXPECT_EQ(r.planner.goal()->position, Eigen::Vector2d(0.6, 0.4));
 

@@ -5,11 +5,13 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <random>
 #include <string>
 #include <vector>
 
+#include "engine/safety/known_ground.h"
 #include "models/limited_twist.h"
 #include "models/make_model.h"
 #include "tests/engine/obstacle_worlds.h"
@@ -223,6 +225,109 @@ TEST_F(GuardTest, TheNewestMapForbidsWhatAnOlderOneAllowed) {
   EXPECT_EQ(guard_.check(plan_, 0, before_, newest, now_).reason, GuardReason::kMap);
   newest.voxels = nullptr;
   EXPECT_EQ(guard_.check(plan_, 0, before_, newest, now_).reason, GuardReason::kMap);
+}
+
+/// The same maps with nothing known in them, or `cells` further along both axes.
+void replace_maps(Belief& belief, bool known, int cells) {
+  const ObstacleWorld world;
+  const auto moved = [&](GridFrame frame) {
+    frame.i0 += cells;
+    frame.j0 += cells;
+    return frame;
+  };
+  const VoxelGrid& voxels = world.voxels;
+  auto ground = std::make_shared<GroundMap>(moved(world.ground.frame()));
+  for (int n = 0; known && n < ground->frame().size(); ++n) {
+    ground->set(ground->frame().at(n), CellState::kFree);
+  }
+  const CellState all = known ? CellState::kFree : CellState::kUnknown;
+  belief.voxels =
+      std::make_shared<const VoxelGrid>(moved(voxels.frame()), voxels.k0(), voxels.depth(),
+                                        std::vector<CellState>(voxels.data().size(), all));
+  belief.ground = std::move(ground);
+}
+
+// Unknown space was taken for free, and what moves otherwise than it is told for what was told.
+TEST_F(GuardTest, WhatHasNothingToDoWithThePlanIsNotTrusted) {
+  Certifier::Options options = certificate_options();
+  options.unknown = UnknownPolicy::kFree;
+  options.known_ground = true;
+  const Guard guard(model_, CylinderShape{}, options);
+  struct Row {
+    const char* what;
+    std::function<void()> change;
+    GuardReason reason;
+  };
+  const auto measured = [this](double v, double vy, double w) {
+    return [=, this] { belief_.twist = {{v, vy, 0.0}, w}; };
+  };
+  const auto maps = [this](bool known, int cells) {
+    return [=, this] { replace_maps(belief_, known, cells); };
+  };
+  const auto stands = [this](double v) {
+    return [=, this] {
+      plan_ = plan_of(*model_, belief_, Eigen::MatrixXd::Zero(2, 1));
+      plan_.kind = PlanKind::kStoppingTail;
+      plan_.certified = false;
+      before_ = {};
+      belief_.twist = {{v, 0.0, 0.0}, 0.0};
+    };
+  };
+  using enum GuardReason;
+  const Row rows[] = {
+      {"as it should be", [] {}, kPassed},
+      {"an empty map", maps(false, 0), kMap},
+      {"a map of elsewhere", maps(true, 3000), kMap},
+      {"a map that ends beside it", maps(true, 68), kMap},
+      {"a map that is known here", maps(true, 20), kPassed},
+      {"slower than told", measured(0.0, 0.0, 0.0), kPassed},
+      {"a little faster", measured(0.55, 0.0, 0.3), kPassed},
+      {"much faster", measured(1.5, 0.0, 0.1), kVelocity},
+      {"backwards", measured(-0.6, 0.0, 0.1), kVelocity},
+      {"sideways", measured(0.4, -0.8, 0.1), kVelocity},
+      {"turning", measured(0.4, 0.0, 1.5), kVelocity},
+      {"stands, and stands", stands(0.0), kPassed},
+      {"coasts to rest", stands(0.3), kPassed},
+      {"told to stand, drives on", stands(0.6), kVelocity},
+      {"told to stand, faster than it can", stands(1.5), kVelocity},
+      {"told to stand, drives backwards", stands(-1.5), kVelocity},
+  };
+  for (const Row& row : rows) {
+    SetUp();
+    row.change();
+    const GuardVerdict verdict = guard.check(plan_, 0, before_, belief_, now_);
+    EXPECT_EQ(verdict.reason, row.reason) << row.what << ": " << verdict.detail;
+    EXPECT_LE(verdict.command.linear.norm(), row.reason == kPassed ? 0.5 : before_.linear.norm())
+        << row.what;
+  }
+}
+
+// It turns on the spot wherever the map begins beside it: that is how it looks about.
+TEST(KnownGround, OfMotionsOnTheRimOfAMap) {
+  ObstacleWorld world;
+  const RobotShape shape = CylinderShape{};
+  const auto knows = [&](bool planar, std::vector<Pose> poses) {
+    return knows_ground(world.belief(), shape, planar, poses);
+  };
+  const auto at = [](double x, double yaw = 0.0) {
+    Pose pose;
+    pose.position = {x, 0.0, 0.0};
+    pose.yaw = yaw;
+    return pose;
+  };
+  for (const bool planar : {true, false}) {
+    EXPECT_TRUE(knows(planar, {at(0.0), at(0.5), at(1.0)}));
+    EXPECT_TRUE(knows(planar, {at(4.5), at(4.5, 1.0)})) << "turns where nothing is known";
+    EXPECT_FALSE(knows(planar, {at(4.5), at(5.0)}));
+    EXPECT_TRUE(knows(planar, {at(4.5), at(4.2), at(3.9), at(3.6)})) << "back to what is known";
+    EXPECT_FALSE(knows(planar, {at(7.0), at(7.0, 1.0)})) << "nothing is known about it";
+    EXPECT_TRUE(knows(planar, {at(3.7), at(3.9), at(4.0)})) << "a few cells beyond";
+    EXPECT_FALSE(knows(planar, {at(3.9), at(4.3), at(4.8), at(5.3)}));
+  }
+  Pose high = at(0.0);
+  high.position.z() = 3.0;
+  EXPECT_FALSE(knows_ground(world.belief(), shape, false, std::vector<Pose>{high}));
+  EXPECT_TRUE(knows_ground(world.belief(), shape, true, std::vector<Pose>{high}));
 }
 
 // Tails passed that were to be held for twelve days; a step that is not positive never ends.
@@ -717,6 +822,23 @@ TEST_F(TimedCommandTest, WhatIsWrongWithItIsSaid) {
   SetUp();
   plan_.certified = false;
   EXPECT_EQ(check_timed().reason, GuardReason::kUncommitted);
+}
+
+// A pose that was left out was the origin: 36 commands passed, into a wall.
+TEST_F(TimedCommandTest, ThePoseIsToldAndOneThatTheRobotGetsTo) {
+  const auto reason_at = [this](double x, double yaw) {
+    asked_.pose->position.x() = x;
+    asked_.pose->yaw = yaw;
+    return check_timed().reason;
+  };
+  EXPECT_EQ(reason_at(0.1, 0.1), GuardReason::kPassed) << check_timed().detail;
+  EXPECT_EQ(reason_at(-2.0, 0.0), GuardReason::kMap);
+  EXPECT_EQ(reason_at(0.0, 3.0), GuardReason::kMap);
+  EXPECT_EQ(reason_at(0.0, 2.0 * M_PI), GuardReason::kPassed) << check_timed().detail;
+  asked_.pose.reset();
+  const GuardVerdict verdict = check_timed();
+  EXPECT_EQ(verdict.reason, GuardReason::kNonFinite);
+  EXPECT_LT(verdict.command.linear.x(), before_.linear.x());
 }
 
 TEST_F(TimedCommandTest, OfABaseThatIsControlledByAcceleration) {
