@@ -7,7 +7,8 @@ using namespace prospect;
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view bytes = fuzz::text_of(data, size);
   const std::string path = fuzz::folder().write("a.txt", bytes);
-  fuzz::read_or_refuse([&] { read_tum_trajectory(path); });
-  fuzz::read_or_refuse([&] { read_kitti_trajectory(path, {0.0, 0.1}); });
+  std::vector<std::string> notes;
+  fuzz::read_or_refuse([&] { read_tum_trajectory(path, notes); });
+  fuzz::read_or_refuse([&] { read_kitti_poses(path, notes); });
   return 0;
 }

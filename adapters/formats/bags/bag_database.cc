@@ -77,10 +77,11 @@ int allowed(void*, int action, const char* first, const char* second, const char
 }
 
 /// Opens a database whose schema is not trusted, with a bound on what a statement may do.
-void open_untrusted(const std::string& path, OpenDatabase& opened) {
+void open_untrusted(const BagPart& part, OpenDatabase& opened) {
   sqlite3*& database = opened.database;
-  if (sqlite3_open_v2(path.c_str(), &database, SQLITE_OPEN_READONLY, nullptr) != SQLITE_OK) {
-    throw InputError(path + ": " + sqlite3_errmsg(database) + "; expected a database of rosbag2");
+  if (sqlite3_open_v2(part.path.c_str(), &database, SQLITE_OPEN_READONLY, nullptr) != SQLITE_OK) {
+    throw InputError(part.name + ": " + sqlite3_errmsg(database) +
+                     "; expected a database of rosbag2");
   }
   for (const auto& [setting, on] :
        {std::pair(SQLITE_DBCONFIG_DEFENSIVE, 1), std::pair(SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0),
@@ -89,7 +90,7 @@ void open_untrusted(const std::string& path, OpenDatabase& opened) {
   }
   std::error_code error;
   const std::uintmax_t size =
-      std::max<std::uintmax_t>(std::filesystem::file_size(path, error), 4096);
+      std::max<std::uintmax_t>(std::filesystem::file_size(part.path, error), 4096);
   sqlite3_limit(database, SQLITE_LIMIT_LENGTH,
                 static_cast<int>(std::min<std::uintmax_t>(size, 1'000'000'000)));
   // A row of a table takes a byte of the file at least, and its reading some instructions.
@@ -127,9 +128,10 @@ struct MessageRow {
 };
 
 /// Topics, each as id, name, type and encoding; an empty row; then the messages by their times.
-std::string listed(const std::string& path) {
+std::string listed(const BagPart& part) {
+  const std::string& path = part.name;
   OpenDatabase handle;
-  open_untrusted(path, handle);
+  open_untrusted(part, handle);
   std::string rows;
   // A view and a virtual table are SQL of the file.
   run_query(handle.database, path,
@@ -160,14 +162,16 @@ std::string listed(const std::string& path) {
 
 struct BagDatabase::Handle : OpenDatabase {};
 
-BagDatabase::BagDatabase(const std::string& path, std::size_t file, std::vector<BagTopic>& topics)
-    : path_(path), handle_(std::make_shared<Handle>()) {
+BagDatabase::BagDatabase(const BagPart& part, std::vector<BagTopic>& topics)
+    : path_(part.name), handle_(std::make_shared<Handle>()) {
+  const std::string& path = path_;
+  const std::size_t file = part.number;
   std::error_code error;
-  const double size = static_cast<double>(std::filesystem::file_size(path, error));
+  const double size = static_cast<double>(std::filesystem::file_size(part.path, error));
   ChildLimits limits;
   limits.seconds = std::min(600.0, 20.0 + 1e-7 * size);
   const std::string all = run_in_child(
-      path, [&] { return listed(path); }, limits);
+      path, [&] { return listed(part); }, limits);
   std::string_view rows = all;
   std::map<std::string, std::string> names;  // by the id of a topic
   for (std::string_view id = take_row(rows); !id.empty(); id = take_row(rows)) {
@@ -191,7 +195,7 @@ BagDatabase::BagDatabase(const std::string& path, std::size_t file, std::vector<
     topic->second->messages.push_back(
         {m.time, file, 0, static_cast<std::size_t>(m.id), static_cast<std::size_t>(m.size)});
   }
-  open_untrusted(path, *handle_);
+  open_untrusted(part, *handle_);
   if (sqlite3_prepare_v2(handle_->database, "SELECT data FROM messages WHERE rowid = ?", -1,
                          &handle_->message, nullptr) != SQLITE_OK) {
     throw InputError(path + ": " + sqlite3_errmsg(handle_->database) +
@@ -216,8 +220,8 @@ std::string BagDatabase::read(const BagTopic::Message& message) {
 #else
 
 struct BagDatabase::Handle {};
-BagDatabase::BagDatabase(const std::string& path, std::size_t, std::vector<BagTopic>&) {
-  throw NotBuiltIn(path + ": reading bags in SQLite", "libsqlite3-dev");
+BagDatabase::BagDatabase(const BagPart& part, std::vector<BagTopic>&) {
+  throw NotBuiltIn(part.name + ": reading bags in SQLite", "libsqlite3-dev");
 }
 std::string BagDatabase::read(const BagTopic::Message&) { return {}; }
 

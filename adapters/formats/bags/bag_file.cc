@@ -1,10 +1,18 @@
 #include "adapters/formats/bags/bag_file.h"
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <optional>
+#include <string_view>
 #include <utility>
 
+#include "adapters/formats/bags/decompression.h"
 #include "adapters/formats/files/input_error.h"
 
 namespace prospect {
@@ -12,23 +20,100 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// Endings of files that are compressed as a whole; those without a compression are not read.
+struct PackedEnding {
+  const char* ending;
+  Compression compression;
+};
+constexpr PackedEnding kPackedEndings[] = {
+    {".zstd", Compression::kZstd}, {".zst", Compression::kZstd}, {".lz4", Compression::kLz4},
+    {".gz", Compression::kNone},   {".xz", Compression::kNone},  {".bz2", Compression::kNone}};
+
+/// Null: not compressed as a whole, by its name.
+const PackedEnding* packed_ending(const fs::path& name) {
+  for (const PackedEnding& packed : kPackedEndings) {
+    if (name.extension() == packed.ending) return &packed;
+  }
+  return nullptr;
+}
+
+/// Without the ending of its compression.
+fs::path plain_name(const fs::path& name) {
+  return packed_ending(name) != nullptr ? fs::path(name).replace_extension() : name;
+}
+
+bool is_bag_file(const fs::path& name) {
+  const fs::path ending = plain_name(name).extension();
+  return ending == ".mcap" || ending == ".db3";
+}
+
 std::vector<std::string> bag_files(const std::string& path) {
   std::error_code error;
   std::vector<std::string> files;
-  const auto is_file = [](const fs::path& name) {
-    return name.extension() == ".mcap" || name.extension() == ".db3";
-  };
   if (fs::is_directory(path, error)) {
     for (const auto& entry : fs::directory_iterator(path, error)) {
-      if (is_file(entry.path()) && entry.path().filename().string()[0] != '.') {
-        files.push_back(entry.path().string());
+      const fs::path& file = entry.path();
+      const bool twice = packed_ending(file) != nullptr && fs::exists(plain_name(file), error);
+      if (is_bag_file(file) && file.filename().string()[0] != '.' && !twice) {
+        files.push_back(file.string());
       }
     }
     std::sort(files.begin(), files.end());
-  } else if (is_file(path) && fs::is_regular_file(path, error)) {
+  } else if (is_bag_file(path) && fs::is_regular_file(path, error)) {
     files.push_back(path);
   }
   return files;
+}
+
+/// A file that is removed with this object; who has opened it keeps it.
+class TemporaryFile {
+ public:
+  TemporaryFile() : path_((fs::temp_directory_path() / "prospect_bag_XXXXXX").string()) {
+    descriptor_ = ::mkostemp(path_.data(), O_CLOEXEC);
+    if (descriptor_ < 0) no_room();
+  }
+  ~TemporaryFile() {
+    if (descriptor_ < 0) return;
+    ::close(descriptor_);
+    ::unlink(path_.c_str());
+  }
+  TemporaryFile(const TemporaryFile&) = delete;
+  TemporaryFile& operator=(const TemporaryFile&) = delete;
+
+  void append(std::string_view bytes) {
+    while (!bytes.empty()) {
+      const ssize_t n = ::write(descriptor_, bytes.data(), bytes.size());
+      if (n < 0 && errno == EINTR) continue;
+      if (n <= 0) no_room();
+      bytes.remove_prefix(static_cast<std::size_t>(n));
+    }
+  }
+  const std::string& path() const { return path_; }
+
+ private:
+  [[noreturn]] void no_room() const {
+    throw InputError(path_ + ": " + std::strerror(errno) +
+                     "; expected room to decompress a bag (TMPDIR names another folder)");
+  }
+  std::string path_;
+  int descriptor_ = -1;
+};
+
+/// The file `path` of a bag, decompressed into `to`.
+void unpack(const std::string& path, const PackedEnding& packed, TemporaryFile& to) {
+  if (packed.compression == Compression::kNone) {
+    throw InputError(path + ": compressed as a whole by " + (packed.ending + 1) +
+                     "; expected .zstd, .lz4 or it decompressed");
+  }
+  std::ifstream in(path, std::ios::binary);
+  std::string buffer(std::size_t{1} << 17, '\0');
+  decompress(
+      packed.compression,
+      [&] {
+        in.read(buffer.data(), static_cast<std::streamsize>(buffer.size()));
+        return std::string_view(buffer).substr(0, static_cast<std::size_t>(in.gcount()));
+      },
+      [&](std::string_view piece) { to.append(piece); }, path);
 }
 
 }  // namespace
@@ -50,13 +135,21 @@ BagFile BagFile::open(const std::string& path) {
   bag.impl_ = std::make_shared<Impl>();
   Impl& impl = *bag.impl_;
   const std::vector<std::string> files = bag_files(path);
-  if (files.empty()) throw InputError(path + ": no bag; expected a .mcap or .db3 file");
+  if (files.empty())
+    throw InputError(path +
+                     ": no bag; expected a .mcap or .db3 file, or one compressed (.zstd, .lz4)");
   for (const std::string& file : files) {
     Impl::File opened;
-    if (file.ends_with(".mcap")) {
-      opened.mcap.emplace(file, impl.files.size(), impl.topics, impl.notes);
+    BagPart part{file, file, impl.files.size()};
+    std::optional<TemporaryFile> unpacked;
+    if (const PackedEnding* packed = packed_ending(file)) {
+      unpack(file, *packed, unpacked.emplace());
+      part.path = unpacked->path();
+    }
+    if (plain_name(file).extension() == ".mcap") {
+      opened.mcap.emplace(part, impl.topics, impl.notes);
     } else {
-      opened.database.emplace(file, impl.files.size(), impl.topics);
+      opened.database.emplace(part, impl.topics);
     }
     impl.files.push_back(std::move(opened));
   }

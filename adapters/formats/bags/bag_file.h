@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <fstream>
 #include <map>
 #include <memory>
 #include <string>
@@ -21,22 +22,27 @@ struct BagTopic {
   std::vector<Message> messages;  ///< in the order of their times; none: nothing was recorded
 };
 
-/// Whether a path is a bag by its name: a .mcap or .db3 file, or a folder that holds such files.
+/// Whether a path is a bag by its name: a .mcap or .db3 file, compressed or not (.db3.zstd), or a
+/// folder that holds such files.
 bool is_bag(const std::string& path);
 
 /// A recording of ROS 2: MCAP files (chunks plain, lz4 or zstd) or SQLite databases, one or
-/// several. A file that ends early, as of a recorder that was killed, is read as far as it goes.
-/// Opening reads through MCAP files once. Copies share what was opened; not thread-safe.
+/// several. Files that are compressed as a whole (.zstd, .zst, .lz4) are decompressed into a file
+/// without a name in the folder for temporary ones (TMPDIR); beside the same file without
+/// compression they are passed over. A file that ends early, as of a recorder that was killed, is
+/// read as far as it goes. Opening reads through MCAP files once. Copies share what was opened; not
+/// thread-safe.
 class BagFile {
  public:
-  /// Throws InputError, one line: no bag, damaged, no message in it; NotBuiltIn where the library
-  /// for its compression or for SQLite was absent when the program was built.
+  /// Throws InputError, one line: no bag, damaged, no message in it, compressed otherwise, no room
+  /// to decompress it; NotBuiltIn where the library for its compression or for SQLite was absent
+  /// when the program was built.
   static BagFile open(const std::string& path);
 
   const std::vector<BagTopic>& topics() const;
   /// Null: no such topic.
   const BagTopic* find(const std::string& name) const;
-  /// The bytes of a message.
+  /// The bytes of a message, as they are: they may be compressed each (bag_topics.h).
   std::string read(const BagTopic::Message& message) const;
   /// What is to be said of the files, one line each.
   const std::vector<std::string>& notes() const;
@@ -49,17 +55,24 @@ class BagFile {
   std::shared_ptr<Impl> impl_;
 };
 
-// The two kinds of files; `file` is its number in the bag.
+/// A file of a bag: how it is called in messages, where it is while it is opened, and its number.
+struct BagPart {
+  std::string name, path;
+  std::size_t number = 0;
+};
+
+// The two kinds of files. They keep the file open: its name may be removed.
 class McapFile {
  public:
-  McapFile(const std::string& path, std::size_t file, std::vector<BagTopic>& topics,
-           std::vector<std::string>& notes);
+  McapFile(const BagPart& part, std::vector<BagTopic>& topics, std::vector<std::string>& notes);
   std::string read(const BagTopic::Message& message);
   const std::map<std::string, BagFile::Fields>& metadata() const { return metadata_; }
 
  private:
+  std::string bytes(std::uint64_t offset, std::size_t size);
   std::string chunk(std::uint64_t offset);
   std::string path_;
+  std::ifstream in_;
   std::map<std::string, BagFile::Fields> metadata_;
   std::uint64_t cached_ = 0;  ///< offset of the chunk that is at hand; 0: none
   std::string cache_;
@@ -69,7 +82,7 @@ class McapFile {
 /// than the file.
 class BagDatabase {
  public:
-  BagDatabase(const std::string& path, std::size_t file, std::vector<BagTopic>& topics);
+  BagDatabase(const BagPart& part, std::vector<BagTopic>& topics);
   std::string read(const BagTopic::Message& message);
 
  private:

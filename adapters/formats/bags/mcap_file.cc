@@ -8,16 +8,10 @@
 #include <fstream>
 #include <map>
 #include <string_view>
-#ifdef PROSPECT_WITH_LZ4
-#include <lz4frame.h>
-#endif
-#ifdef PROSPECT_WITH_ZSTD
-#include <zstd.h>
-#endif
 
 #include "adapters/formats/bags/bag_file.h"
+#include "adapters/formats/bags/decompression.h"
 #include "adapters/formats/files/input_error.h"
-#include "adapters/formats/files/not_built_in.h"
 
 namespace prospect {
 namespace {
@@ -65,43 +59,11 @@ struct McapReader {
   std::string text() { return std::string(take(number(4))); }
 };
 
-std::string decompressed(const std::string& path, const std::string& compression,
-                         std::string_view from, std::uint64_t size) {
-  const InputError damaged(path + ": a chunk cannot be decompressed; expected an intact file");
-  if (compression.empty()) return std::string(from);
-  std::string to(size, '\0');
-  if (compression == "lz4") {
-#ifdef PROSPECT_WITH_LZ4
-    LZ4F_dctx* context = nullptr;
-    if (LZ4F_isError(LZ4F_createDecompressionContext(&context, LZ4F_VERSION))) throw damaged;
-    std::size_t written = 0, read = 0;
-    bool good = true;
-    while (good && read < from.size()) {
-      std::size_t out = to.size() - written, in = from.size() - read;
-      const std::size_t left =
-          LZ4F_decompress(context, to.data() + written, &out, from.data() + read, &in, nullptr);
-      good = !LZ4F_isError(left) && (out > 0 || in > 0);
-      written += out;
-      read += in;
-      if (left == 0) break;
-    }
-    LZ4F_freeDecompressionContext(context);
-    if (!good || written != to.size()) throw damaged;
-    return to;
-#else
-    throw NotBuiltIn(path + ": reading chunks compressed by lz4", "liblz4-dev");
-#endif
-  }
-  if (compression == "zstd") {
-#ifdef PROSPECT_WITH_ZSTD
-    if (ZSTD_decompress(to.data(), to.size(), from.data(), from.size()) != to.size()) throw damaged;
-    return to;
-#else
-    throw NotBuiltIn(path + ": reading chunks compressed by zstd", "libzstd-dev");
-#endif
-  }
-  throw InputError(path + ": chunks compressed by '" + compression +
-                   "'; expected none, lz4 or zstd");
+Compression compression_named(const std::string& path, const std::string& name) {
+  if (name.empty()) return Compression::kNone;
+  if (name == "lz4") return Compression::kLz4;
+  if (name == "zstd") return Compression::kZstd;
+  throw InputError(path + ": chunks compressed by '" + name + "'; expected none, lz4 or zstd");
 }
 
 /// The records of a chunk, from its content.
@@ -116,7 +78,8 @@ std::string chunk_records(const std::string& path, std::string_view content) {
   if (!chunk.good || size > kLargestChunk || size / 1000 > records.size() + (1 << 16)) {
     throw InputError(path + ": a damaged chunk; expected an intact file");
   }
-  std::string out = decompressed(path, compression, records, size);
+  std::string out =
+      decompressed(compression_named(path, compression), records, size, path + ": a chunk");
   if (out.size() != size ||
       (crc != 0 && crc != ::crc32(0, reinterpret_cast<const Bytef*>(out.data()),
                                   static_cast<uInt>(out.size())))) {
@@ -127,10 +90,12 @@ std::string chunk_records(const std::string& path, std::string_view content) {
 
 }  // namespace
 
-McapFile::McapFile(const std::string& path, std::size_t file, std::vector<BagTopic>& topics,
+McapFile::McapFile(const BagPart& part, std::vector<BagTopic>& topics,
                    std::vector<std::string>& notes)
-    : path_(path) {
-  std::ifstream in(path, std::ios::binary | std::ios::ate);
+    : path_(part.name), in_(part.path, std::ios::binary | std::ios::ate) {
+  const std::string& path = path_;
+  const std::size_t file = part.number;
+  std::ifstream& in = in_;
   const auto whole = static_cast<std::uint64_t>(std::max<std::streamoff>(0, in.tellg()));
   in.seekg(0);
   std::string magic(kMcapMagic.size(), '\0');
@@ -225,35 +190,31 @@ McapFile::McapFile(const std::string& path, std::size_t file, std::vector<BagTop
     notes.push_back(path + ": ends early, as of a recorder that was stopped; read so far");
 }
 
+std::string McapFile::bytes(std::uint64_t offset, std::size_t size) {
+  in_.clear();
+  in_.seekg(static_cast<std::streamoff>(offset));
+  std::string bytes(size, '\0');
+  in_.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  if (!in_) throw InputError(path_ + ": cannot be read; expected it as it was");
+  return bytes;
+}
+
 std::string McapFile::chunk(std::uint64_t offset) {
-  std::ifstream in(path_, std::ios::binary);
-  in.seekg(static_cast<std::streamoff>(offset - 8));
-  std::string head(8, '\0');
-  in.read(head.data(), 8);
+  const std::string head = bytes(offset - 8, 8);
   McapReader r{head};
-  std::string bytes(in ? std::min(r.number(8), kLargestChunk) : 0, '\0');
-  in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  if (!in || bytes.empty()) throw InputError(path_ + ": cannot be read; expected it as it was");
-  return chunk_records(path_, bytes);
+  return chunk_records(path_, bytes(offset, std::min(r.number(8), kLargestChunk)));
 }
 
 std::string McapFile::read(const BagTopic::Message& message) {
-  if (message.chunk != 0) {
-    if (cached_ != message.chunk) {
-      cache_ = chunk(message.chunk);
-      cached_ = message.chunk;
-    }
-    if (message.begin + message.size > cache_.size()) {
-      throw InputError(path_ + ": cannot be read; expected it as it was");
-    }
-    return cache_.substr(message.begin, message.size);
+  if (message.chunk == 0) return bytes(message.begin, message.size);
+  if (cached_ != message.chunk) {
+    cache_ = chunk(message.chunk);
+    cached_ = message.chunk;
   }
-  std::ifstream in(path_, std::ios::binary);
-  in.seekg(static_cast<std::streamoff>(message.begin));
-  std::string bytes(message.size, '\0');
-  in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  if (!in) throw InputError(path_ + ": cannot be read; expected it as it was");
-  return bytes;
+  if (message.begin + message.size > cache_.size()) {
+    throw InputError(path_ + ": cannot be read; expected it as it was");
+  }
+  return cache_.substr(message.begin, message.size);
 }
 
 }  // namespace prospect

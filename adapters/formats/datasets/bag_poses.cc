@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "adapters/formats/datasets/elements.h"
 #include "adapters/formats/datasets/ros_messages.h"
 #include "adapters/formats/files/input_error.h"
 
@@ -16,18 +17,21 @@ std::shared_ptr<const TransformTree> read_transforms(const BagFile& bag,
                                                      std::vector<std::string>& notes) {
   auto tree = std::make_shared<TransformTree>();
   std::map<std::string, std::string> contradicted;
+  Elements transforms("transforms of TF");
   for (const BagTopic& topic : bag.topics()) {
-    if (topic.type != "tf2_msgs/msg/TFMessage") continue;
+    if (!is_of_type(topic, "tf2_msgs/msg/TFMessage")) continue;
     const bool fixed = topic.name.ends_with("static");
     for (std::size_t i = 0; i < topic.messages.size(); ++i) {
       for (const RosTransform& t :
-           read_ros_transforms(read_message(bag, topic, i), message_name(topic, i))) {
+           read_ros_transforms(read_message(bag, topic, i), message_name(topic, i), transforms)) {
+        if (fixed && !is_known(t.T)) continue;
         const bool added = fixed ? tree->add_static(t.parent, t.child, t.T)
                                  : tree->add(t.parent, t.child, t.stamp, t.T);
         if (!added) contradicted[t.child] = t.parent;
       }
     }
   }
+  transforms.finish(notes);
   for (const auto& [child, parent] : contradicted) {
     notes.push_back("TF: " + child + " in " + parent + " contradicts the tree, where it is in " +
                     tree->parent(child) + "; left out");
@@ -52,13 +56,22 @@ BagPoses BagPoses::of_topic(const BagFile& bag, const BagTopic& topic,
   poses.tree_ = std::move(tree);
   poses.sensor_ = sensor;
   poses.from_ = topic.name;
+  Elements elements("poses of " + topic.name);
+  bool named = false;
   for (std::size_t i = 0; i < topic.messages.size(); ++i) {
-    const RosTransform pose =
-        read_ros_pose(read_message(bag, topic, i), topic.type, message_name(topic, i));
-    if (i == 0) poses.body_ = pose.child;
+    RosTransform pose;
+    const bool good = elements.read([&] {
+      const std::string bytes = read_message(bag, topic, i);
+      pose.stamp = read_ros_header(bytes, message_name(topic, i)).stamp;
+      pose = read_ros_pose(bytes, topic.type, message_name(topic, i));
+    });
+    if (good && !named) poses.body_ = pose.child;
+    named = named || good;
     if (!poses.poses_.empty() && !(pose.stamp > poses.poses_.back().stamp)) continue;
-    poses.poses_.push_back({pose.stamp, pose.T});
+    // Where it says that it is not known, nothing is interpolated either.
+    poses.poses_.push_back({pose.stamp, good ? pose.T : unknown_pose()});
   }
+  elements.finish(notes);
   if (poses.body_.empty()) {
     notes.push_back(topic.name + ": poses of no named frame, taken as those of the sensor");
   } else if (!poses.tree_->connected(poses.body_, sensor)) {
@@ -82,7 +95,9 @@ std::optional<Eigen::Isometry3d> BagPoses::at(double stamp) const {
 
 std::vector<double> BagPoses::stamps() const {
   std::vector<double> stamps;
-  for (const TimedPose& pose : poses_) stamps.push_back(pose.stamp);
+  for (const TimedPose& pose : poses_) {
+    if (is_known(pose.T)) stamps.push_back(pose.stamp);
+  }
   return stamps;
 }
 

@@ -33,7 +33,7 @@ class BagPoses {
                            const std::string& sensor);
 
   /// Sensor to the fixed frame; none where it is not known: no pose within 0.25 s, or no transform
-  /// within 1 s, on both sides.
+  /// within 1 s, on both sides, or one of the two is none (NaN, a quaternion of zeros).
   std::optional<Eigen::Isometry3d> at(double stamp) const;
   /// Of the topic's poses; empty for TF.
   std::vector<double> stamps() const;

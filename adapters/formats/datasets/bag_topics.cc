@@ -2,8 +2,11 @@
 
 #include <algorithm>
 
+#include "adapters/formats/bags/decompression.h"
+#include "adapters/formats/datasets/elements.h"
 #include "adapters/formats/datasets/ros_messages.h"
 #include "adapters/formats/files/input_error.h"
+#include "adapters/formats/ros/sensor_msgs.h"
 
 namespace prospect {
 namespace {
@@ -12,15 +15,32 @@ bool holds(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
 
+bool is_cdr(const BagTopic& topic) { return topic.encoding == "cdr"; }
+
+constexpr std::size_t kLargestMessage = std::size_t{1} << 30;  // [bytes]
+
 }  // namespace
 
 std::string topic_list(const BagFile& bag) {
   std::string list;
   for (const BagTopic& topic : bag.topics()) {
-    list += (list.empty() ? "" : ", ") + topic.name + " (" + topic.type + ", " +
+    list += (list.empty() ? "" : ", ") + topic.name + " (" + topic.type +
+            (is_cdr(topic) ? "" : " in " + topic.encoding) + ", " +
             std::to_string(topic.messages.size()) + ")";
   }
   return list;
+}
+
+void check_encodings(const BagFile& bag, const std::string& path) {
+  const auto& topics = bag.topics();
+  if (std::any_of(topics.begin(), topics.end(), is_cdr)) return;
+  throw InputError(path +
+                   ": no message is in cdr, ROS 2's encoding; expected a bag of ROS 2, not " +
+                   topic_list(bag));
+}
+
+bool is_of_type(const BagTopic& topic, std::string_view type) {
+  return is_cdr(topic) && topic.type == type;
 }
 
 const BagTopic* given_topic(const BagFile& bag, const std::string& path, const TopicChoice& chosen,
@@ -34,6 +54,7 @@ const BagTopic* given_topic(const BagFile& bag, const std::string& path, const T
   }
   if (!fits(*topic)) {
     throw InputError(path + ": topic " + topic->name + " is of type " + topic->type +
+                     (is_cdr(*topic) ? "" : " in " + topic->encoding + ", not cdr as of ROS 2") +
                      "; expected one that can be " + use);
   }
   if (topic->messages.empty()) {
@@ -43,20 +64,18 @@ const BagTopic* given_topic(const BagFile& bag, const std::string& path, const T
   return topic;
 }
 
-bool is_pose_topic(const BagTopic& topic) { return is_ros_pose(topic.type); }
+bool is_pose_topic(const BagTopic& topic) { return is_cdr(topic) && is_ros_pose(topic.type); }
 
 bool is_image_topic(const BagTopic& topic) {
-  return topic.type == "sensor_msgs/msg/Image" || topic.type == "sensor_msgs/msg/CompressedImage";
+  return is_of_type(topic, ros::Image::kType) || is_compressed(topic);
 }
 
-bool is_compressed(const BagTopic& topic) {
-  return topic.type == "sensor_msgs/msg/CompressedImage";
-}
+bool is_compressed(const BagTopic& topic) { return is_of_type(topic, ros::CompressedImage::kType); }
 
-bool is_laser_scan(const BagTopic& topic) { return topic.type == "sensor_msgs/msg/LaserScan"; }
+bool is_laser_scan(const BagTopic& topic) { return is_of_type(topic, ros::LaserScan::kType); }
 
 bool is_scan_topic(const BagTopic& topic) {
-  return is_laser_scan(topic) || topic.type == "sensor_msgs/msg/PointCloud2";
+  return is_laser_scan(topic) || is_of_type(topic, ros::PointCloud2::kType);
 }
 
 const BagTopic* info_of(const BagFile& bag, const BagTopic& image) {
@@ -65,7 +84,7 @@ const BagTopic* info_of(const BagFile& bag, const BagTopic& image) {
     if (name.ends_with(transport)) name.resize(name.size() - std::string(transport).size());
   }
   const BagTopic* info = bag.find(name.substr(0, name.rfind('/')) + "/camera_info");
-  return info != nullptr && info->type == "sensor_msgs/msg/CameraInfo" ? info : nullptr;
+  return info != nullptr && is_of_type(*info, ros::CameraInfo::kType) ? info : nullptr;
 }
 
 const BagTopic* find_depth_topic(const BagFile& bag) {
@@ -119,16 +138,27 @@ std::string message_name(const BagTopic& topic, std::size_t i) {
 }
 
 std::string read_message(const BagFile& bag, const BagTopic& topic, std::size_t i) {
-  if (topic.encoding != "cdr") {
+  if (!is_cdr(topic)) {
     throw InputError(topic.name + ": messages in '" + topic.encoding + "'; expected cdr, of ROS 2");
   }
-  return bag.read(topic.messages[i]);
+  std::string bytes = bag.read(topic.messages[i]);
+  // CDR begins with a byte of zero, which no compressed message does.
+  const Compression compression = compression_of(bytes);
+  if (compression == Compression::kNone) return bytes;
+  return decompressed(compression, bytes, kLargestMessage, message_name(topic, i));
 }
 
 std::string frame_of(const BagFile& bag, const BagTopic& topic) {
-  return topic.messages.empty()
-             ? std::string()
-             : read_ros_header(read_message(bag, topic, 0), message_name(topic, 0)).frame;
+  Elements headers("");
+  std::string frame;
+  for (std::size_t i = 0; i < topic.messages.size(); ++i) {
+    if (headers.read([&] {
+          frame = read_ros_header(read_message(bag, topic, i), message_name(topic, i)).frame;
+        })) {
+      break;
+    }
+  }
+  return frame;
 }
 
 std::vector<std::pair<double, std::size_t>> stamped_messages(const BagFile& bag,
@@ -137,14 +167,21 @@ std::vector<std::pair<double, std::size_t>> stamped_messages(const BagFile& bag,
                                                              std::vector<std::string>& notes) {
   std::vector<std::pair<double, std::size_t>> stamped;
   std::size_t unset = 0;
+  Elements headers(what + " of " + topic.name);
   for (std::size_t i = 0; i < topic.messages.size(); ++i) {
-    double stamp = read_ros_header(read_message(bag, topic, i), message_name(topic, i)).stamp;
+    double stamp = 0.0;
+    if (!headers.read([&] {
+          stamp = read_ros_header(read_message(bag, topic, i), message_name(topic, i)).stamp;
+        })) {
+      continue;
+    }
     if (stamp <= 0.0) {
       stamp = static_cast<double>(topic.messages[i].time) * 1e-9;
       ++unset;
     }
     stamped.emplace_back(stamp, i);
   }
+  headers.finish(notes);
   if (unset > 0) {
     notes.push_back(topic.name + ": " + std::to_string(unset) + " " + what +
                     " without a stamp: the time of recording stands for it");

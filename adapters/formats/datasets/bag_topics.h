@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <map>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -14,8 +15,16 @@ namespace prospect {
 
 using TopicChoice = std::map<std::string, std::string>;  ///< of a use, such as "depth", the topic
 
-/// Every topic with type and number of messages, for messages to people.
+/// Every topic with type and number of messages, and their encoding if it is not ROS 2's, for
+/// messages to people.
 std::string topic_list(const BagFile& bag);
+
+/// Throws InputError, one line, if no topic of the bag is in CDR, ROS 2's encoding: such as logs of
+/// Foxglove's own schemas in protobuf or JSON, and of ROS 1 in MCAP.
+void check_encodings(const BagFile& bag, const std::string& path);
+
+/// Whether its messages are of this type, in CDR.
+bool is_of_type(const BagTopic& topic, std::string_view type);
 
 /// The topic that was chosen for a use; null if none was. Throws InputError where it is absent, of
 /// another type, or holds no message.
@@ -42,10 +51,11 @@ std::pair<const BagTopic*, const BagTopic*> find_stereo_topics(const BagFile& ba
 /// A message, for messages to people.
 std::string message_name(const BagTopic& topic, std::size_t i);
 
-/// The bytes of message i. Throws InputError if they are not CDR.
+/// The bytes of message i; one that its recorder has compressed (mode MESSAGE, by zstd or lz4) is
+/// decompressed. Throws InputError if they are not CDR.
 std::string read_message(const BagFile& bag, const BagTopic& topic, std::size_t i);
 
-/// The frame of the first message's header; empty if there is no message.
+/// The frame of the first message with a header; empty if there is none.
 std::string frame_of(const BagFile& bag, const BagTopic& topic);
 
 /// The stamps [s] of the headers, increasing, each with its message; where one is not set, the time

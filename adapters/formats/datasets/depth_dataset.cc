@@ -4,6 +4,7 @@
 
 #include "adapters/formats/datasets/number_text.h"
 #include "adapters/formats/datasets/stereo_calibration.h"
+#include "adapters/formats/datasets/trajectory.h"
 
 namespace prospect {
 
@@ -22,7 +23,7 @@ DepthDataset DepthDataset::open(DepthSource source, const DepthDatasetOptions& o
   dataset.camera_ = *source.camera;
   dataset.images_ = source.images;
   PinholeCamera& camera = dataset.camera_;
-  const RawImage first = source.images.read(0);
+  const RawImage first = first_readable(source.images);
   if (camera.width != 0.0 && (camera.width != first.width || camera.height != first.height)) {
     throw InputError(source.camera_from + ": is for images of " + number_text(camera.width) +
                      " x " + number_text(camera.height) + " pixels, these have " +
@@ -34,6 +35,9 @@ DepthDataset DepthDataset::open(DepthSource source, const DepthDatasetOptions& o
   check_principal_point(source.camera_from, camera);
   dataset.scale_ = choose_depth_scale(source, options, camera,
                                       [&](std::size_t i) { return dataset.read_raw(i); });
+  if (dataset.scale_.w_first) {
+    for (Eigen::Isometry3d& pose : source.poses) pose = with_w_first(pose);
+  }
   dataset.poses_ = std::move(source.poses);
   dataset.notes_ = std::move(source.notes);
   dataset.notes_.push_back(dataset.scale_.note);

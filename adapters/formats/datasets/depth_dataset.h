@@ -44,7 +44,8 @@ class DepthDataset {
   /// Camera to the recording's world, whose axes may point anywhere; requires has_poses().
   const Eigen::Isometry3d& pose(int i) const { return poses_[static_cast<std::size_t>(i)]; }
 
-  /// Throws InputError if the image cannot be decoded or has another size than the first.
+  /// Throws InputError if the image cannot be decoded, holds no depth or has another size than the
+  /// first: it is bad, not the recording (elements.h).
   DepthImage read(int i) const;
 
  private:

@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <limits>
 
+#include "adapters/formats/datasets/elements.h"
+#include "adapters/formats/datasets/trajectory.h"
 #include "perception/mapping/ground_plane.h"
 
 namespace prospect {
@@ -27,7 +29,7 @@ std::string percent_text(double share) {
 /// |predicted - measured| / predicted depth, over pixels of each image moved to each later one:
 /// what three quarters of them stay below (a camera that moves along a floor sees the floor alike
 /// with any scale; what stands on it tells). NaN where too few meet.
-double disagreement(const DepthSource& source, const PinholeCamera& camera,
+double disagreement(const DepthPoses& poses, const PinholeCamera& camera,
                     const std::vector<std::size_t>& frames, const std::vector<RawImage>& raw,
                     double per_metre) {
   constexpr int kEvery = 8;  // pixels
@@ -40,7 +42,7 @@ double disagreement(const DepthSource& source, const PinholeCamera& camera,
     if (i >= j) continue;
     const DepthImage& from = images[i];
     const DepthImage& to = images[j];
-    const Eigen::Isometry3d T = source.poses[frames[j]].inverse() * source.poses[frames[i]];
+    const Eigen::Isometry3d T = poses[frames[j]].inverse() * poses[frames[i]];
     for (int v = 0; v < from.height; v += kEvery) {
       for (int u = 0; u < from.width; u += kEvery) {
         const float z = from.at(u, v);
@@ -83,27 +85,30 @@ DepthScale choose_depth_scale(const DepthSource& source, const DepthDatasetOptio
                               const std::function<RawImage(std::size_t)>& read) {
   constexpr std::size_t kSamples = 6;
   constexpr double kFits = 0.05;        // of the depth: poses and depths agree
+  constexpr double kAgrees = 0.01;      // of the depth: so well that nothing else is tried
   constexpr double kClearly = 0.5;      // of the other scale's disagreement
   constexpr double kContradicts = 0.2;  // of the depth
   std::vector<std::size_t> frames;
+  std::vector<RawImage> raw;
+  Elements samples("images");
   const std::size_t n = source.images.size();
   for (std::size_t k = 0; k < std::min(kSamples, n); ++k) {
     // Neighbours show the same; of a long recording not the same as the last one.
-    frames.push_back(n <= 8 * kSamples
-                         ? k * (n - 1) / std::max<std::size_t>(1, std::min(kSamples, n) - 1)
-                         : 8 * k);
+    const std::size_t i = n <= 8 * kSamples
+                              ? k * (n - 1) / std::max<std::size_t>(1, std::min(kSamples, n) - 1)
+                              : 8 * k;
+    if (samples.read([&] { raw.push_back(read(i)); })) frames.push_back(i);
   }
-  std::vector<RawImage> raw;
-  for (const std::size_t i : frames) raw.push_back(read(i));
+  if (2 * samples.bad() > samples.all()) throw InputError(samples.first());
   if (source.stereo) {
     // The metre is that of the baseline: there is nothing to choose, but a wrong one shows.
     DepthScale out;
     out.per_metre = 1.0;
     out.note = "the metre is that of the calibration";
-    const double off = disagreement(source, camera, frames, raw, 1.0);
+    const double off = disagreement(source.poses, camera, frames, raw, 1.0);
     double other = std::numeric_limits<double>::infinity();
     for (const double wrong : {0.5, 0.67, 0.8, 1.25, 1.5, 2.0}) {
-      other = std::fmin(other, disagreement(source, camera, frames, raw, wrong));
+      other = std::fmin(other, disagreement(source.poses, camera, frames, raw, wrong));
     }
     out.doubtful = off > kContradicts || other < kClearly * off;
     if (out.doubtful) {
@@ -127,13 +132,36 @@ DepthScale choose_depth_scale(const DepthSource& source, const DepthDatasetOptio
   const std::string given = options.depth_scale ? "given" : "by the layout's rule";
   out.note = "depth scale " + scale_text(out.per_metre) + " a metre, " + given;
   if (!source.poses.empty()) {
-    std::vector<double> off;
-    for (const double candidate : candidates) {
-      off.push_back(disagreement(source, camera, frames, raw, candidate));
-    }
-    std::size_t best = 0;
-    for (std::size_t c = 1; c < candidates.size(); ++c) {
-      if (off[c] < off[best] || !std::isfinite(off[best])) best = c;
+    const auto with_poses = [&](const DepthPoses& poses) {
+      std::vector<double> off;
+      for (const double candidate : candidates) {
+        off.push_back(disagreement(poses, camera, frames, raw, candidate));
+      }
+      return off;
+    };
+    const auto least = [&](const std::vector<double>& off) {
+      std::size_t best = 0;
+      for (std::size_t c = 1; c < off.size(); ++c) {
+        if (off[c] < off[best] || !std::isfinite(off[best])) best = c;
+      }
+      return best;
+    };
+    std::vector<double> off = with_poses(source.poses);
+    std::size_t best = least(off);
+    std::string order;
+    if (source.poses_of_quaternions && !(off[best] < kAgrees)) {
+      DepthPoses again;
+      for (const Eigen::Isometry3d& pose : source.poses) again.push_back(with_w_first(pose));
+      const std::vector<double> off_again = with_poses(again);
+      const std::size_t best_again = least(off_again);
+      if (off_again[best_again] < kFits && off_again[best_again] < kClearly * off[best]) {
+        order = "; the poses' quaternions have w first: read so they agree to " +
+                percent_text(off_again[best_again]) + ", with w last they are off by " +
+                percent_text(off[best]) + " at least";
+        out.w_first = true;
+        off = off_again;
+        best = best_again;
+      }
     }
     const bool clear =
         best != 0 && off[best] < kFits && (!std::isfinite(off[0]) || off[best] < kClearly * off[0]);
@@ -151,14 +179,16 @@ DepthScale choose_depth_scale(const DepthSource& source, const DepthDatasetOptio
         out.note = "depth scale " + scale_text(out.per_metre) + " a metre, not " +
                    scale_text(candidates[0]) + " as the layout's rule is: " + facts;
       }
+      out.note += order;
       return out;
     }
     double next = std::numeric_limits<double>::infinity();
     for (std::size_t c = 1; c < candidates.size(); ++c) next = std::fmin(next, off[c]);
     if (off[0] < kFits && off[0] < kClearly * next) {
-      out.note += ", and by the poses: images and poses agree to " + percent_text(off[0]);
+      out.note += ", and by the poses: images and poses agree to " + percent_text(off[0]) + order;
       return out;
     }
+    out.note += order;
     if (off[0] > kContradicts) {
       out.note += ", but images and poses disagree by " + percent_text(off[0]) +
                   ": --depth-scale states another";

@@ -39,11 +39,13 @@ struct StereoDepthAccuracy {
 /// What a layout finds in a recording of depth images.
 struct DepthSource : RecordingSource {
   ImageStream images;
-  DepthPoses poses;                     ///< of each image, camera to world; empty: none is known
-  std::optional<PinholeCamera> camera;  ///< width and height 0: not stated
-  std::string camera_from;              ///< file or topic, for messages
-  double depth_scale = 1000.0;          ///< numbers a metre by the layout's rule, of 16 bits
-  int without_pose = 0;                 ///< frames left out
+  DepthPoses poses;  ///< of each image, camera to world; empty: none is known
+  /// The poses' quaternions have no names in the file: w, which is last by rule, may be first.
+  bool poses_of_quaternions = false;
+  std::optional<PinholeCamera> camera;        ///< width and height 0: not stated
+  std::string camera_from;                    ///< file or topic, for messages
+  double depth_scale = 1000.0;                ///< numbers a metre by the layout's rule, of 16 bits
+  int without_pose = 0;                       ///< frames left out
   std::optional<StereoDepthAccuracy> stereo;  ///< none: the images hold another sensor's depths
 };
 

@@ -8,6 +8,7 @@
 #include <limits>
 #include <utility>
 
+#include "adapters/formats/datasets/elements.h"
 #include "adapters/formats/files/input_error.h"
 
 namespace prospect {
@@ -62,6 +63,17 @@ std::int64_t median_of_steps(const std::vector<std::int64_t>& numbers) {
 
 }  // namespace
 
+RawImage first_readable(const ImageStream& images) {
+  RawImage image;
+  Elements all("images");
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    if (all.read([&] { image = images.read(i); })) return image;
+  }
+  std::vector<std::string> notes;
+  all.finish(notes);
+  throw InputError(images.name + ": holds no image; expected those of a camera");
+}
+
 NumberedImages numbered_images(const std::string& folder) {
   namespace fs = std::filesystem;
   std::error_code error;
@@ -101,6 +113,34 @@ NumberedImages numbered_images(const std::string& folder) {
       throw InputError(out.images[i].path + ": has the number of " + out.images[i - 1].path +
                        "; expected each once");
     }
+  }
+  return out;
+}
+
+std::vector<std::size_t> lines_of_images(const std::vector<std::int64_t>& numbers,
+                                         std::size_t lines, const std::string& file,
+                                         std::vector<std::string>& notes) {
+  std::vector<std::size_t> out;
+  const std::size_t images = numbers.size();
+  if (images == 0) return out;
+  const auto count = static_cast<std::int64_t>(lines);
+  const std::int64_t first = numbers.front(), last = numbers.back();
+  const bool in_order = lines == images, from_zero = last < count;
+  if (!in_order && !from_zero && last - first >= count) {
+    throw InputError(file + ": holds " + std::to_string(lines) + " lines for " +
+                     std::to_string(images) + " images, numbered " + std::to_string(first) +
+                     " to " + std::to_string(last) +
+                     "; expected a line for each of them, or for each number from 0 or " +
+                     std::to_string(first) + " on");
+  }
+  for (std::size_t i = 0; i < images; ++i) {
+    out.push_back(in_order ? i
+                           : static_cast<std::size_t>(from_zero ? numbers[i] : numbers[i] - first));
+  }
+  if (out.back() != static_cast<std::size_t>(last)) {
+    const std::string note = file + ": its first line is of image " + std::to_string(first) +
+                             (in_order ? ", a line for each image in order" : "");
+    if (std::find(notes.begin(), notes.end(), note) == notes.end()) notes.push_back(note);
   }
   return out;
 }

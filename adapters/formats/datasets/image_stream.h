@@ -23,6 +23,9 @@ struct ImageStream {
   std::size_t size() const { return stamps.size(); }
 };
 
+/// The first image that can be read. Throws InputError, the first image's line, if none can.
+RawImage first_readable(const ImageStream& images);
+
 /// A file whose name ends in a number.
 struct NumberedImage {
   /// The number, or if it has a decimal point, a time in seconds, its nanoseconds.
@@ -40,6 +43,15 @@ struct NumberedImages {
 /// Throws InputError, one line: no such folder, no image in it, a name without a number or with
 /// another prefix, the same number twice.
 NumberedImages numbered_images(const std::string& folder);
+
+/// Which line of a file with a line a frame, such as times.txt or poses.txt, belongs to each image,
+/// from 0 on: the images' order, if there are as many lines as images, wherever their numbers begin
+/// and whatever their step; else their numbers counted from 0, as KITTI's are; else, if that is too
+/// few lines, from the first image's number on. `notes` say if it is not by numbers from 0. Throws
+/// InputError, of `file`, if there are too few lines for all of these.
+std::vector<std::size_t> lines_of_images(const std::vector<std::int64_t>& numbers,
+                                         std::size_t lines, const std::string& file,
+                                         std::vector<std::string>& notes);
 
 /// A stream of files: the stamps are given, one for each.
 ImageStream image_files(const std::string& name, std::vector<double> stamps,

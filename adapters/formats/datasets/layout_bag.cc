@@ -10,14 +10,16 @@
 #include "adapters/formats/datasets/bag_poses.h"
 #include "adapters/formats/datasets/bag_topics.h"
 #include "adapters/formats/datasets/depth_source.h"
+#include "adapters/formats/datasets/elements.h"
 #include "adapters/formats/datasets/number_text.h"
 #include "adapters/formats/datasets/ros_messages.h"
 #include "adapters/formats/datasets/stereo_source.h"
+#include "adapters/formats/ros/sensor_msgs.h"
 
 namespace prospect {
 namespace {
 
-bool is_info(const BagTopic& topic) { return topic.type == "sensor_msgs/msg/CameraInfo"; }
+bool is_info(const BagTopic& topic) { return is_of_type(topic, ros::CameraInfo::kType); }
 
 /// The images of a topic, by the stamps of their headers; where these are not set, by the time of
 /// recording.
@@ -39,21 +41,28 @@ ImageStream image_stream(const BagFile& bag, const BagTopic& topic,
 }
 
 /// What all messages of a topic say of the images.
-CameraInfo only_info(const BagFile& bag, const BagTopic& topic) {
+CameraInfo only_info(const BagFile& bag, const BagTopic& topic, std::vector<std::string>& notes) {
   if (topic.messages.empty()) {
     throw InputError(topic.name + ": holds no message; expected a calibration");
   }
-  const auto info = [&](std::size_t i) {
-    return read_ros_camera_info(read_message(bag, topic, i), message_name(topic, i));
-  };
-  const CameraInfo first = info(0);
-  for (std::size_t i = 1; i < topic.messages.size(); ++i) {
-    if (info(i) == first) continue;
-    throw InputError(message_name(topic, i) +
-                     ": another calibration than the first one's; expected one of all images, or "
-                     "--calibration FILE");
+  Elements infos("calibrations of " + topic.name);
+  std::optional<CameraInfo> first;
+  for (std::size_t i = 0; i < topic.messages.size(); ++i) {
+    CameraInfo info;
+    if (!infos.read([&] {
+          info = read_ros_camera_info(read_message(bag, topic, i), message_name(topic, i));
+        })) {
+      continue;
+    }
+    if (first && info != *first) {
+      throw InputError(message_name(topic, i) +
+                       ": another calibration than the first one's; expected one of all images, or "
+                       "--calibration FILE");
+    }
+    first = info;
   }
-  return first;
+  infos.finish(notes);
+  return *first;
 }
 
 }  // namespace
@@ -66,6 +75,7 @@ StereoSource open_stereo_bag(const std::string& path, const StereoDatasetOptions
   const BagTopic* left = nullptr;
   const BagTopic* right = nullptr;
   const bool read = source.attempt([&] {
+    check_encodings(bag, path);
     left = given_topic(bag, path, options.topics, "left", is_image_topic);
     right = given_topic(bag, path, options.topics, "right", is_image_topic);
     if (left == nullptr || right == nullptr) {
@@ -102,8 +112,9 @@ StereoSource open_stereo_bag(const std::string& path, const StereoDatasetOptions
                        "FILE");
     }
     const bool rectified = options.rectified || left->name.find("rect") != std::string::npos;
-    source.calibration = calibration_of(only_info(bag, *infos[0]), only_info(bag, *infos[1]),
-                                        infos[0]->name, infos[1]->name, rectified);
+    const CameraInfo first = only_info(bag, *infos[0], source.notes);
+    const CameraInfo second = only_info(bag, *infos[1], source.notes);
+    source.calibration = calibration_of(first, second, infos[0]->name, infos[1]->name, rectified);
     source.notes.push_back(std::string("images taken as ") +
                            (rectified ? "rectified, by P of " : "raw, by K, D, R and P of ") +
                            infos[0]->name + " and " + infos[1]->name);
@@ -137,6 +148,7 @@ DepthSource open_depth_bag(const std::string& path, const DepthDatasetOptions& o
   const BagFile bag = BagFile::open(path);
   source.notes = bag.notes();
   source.attempt([&] {
+    check_encodings(bag, path);
     const BagTopic* depth = given_topic(bag, path, options.topics, "depth", is_image_topic);
     if (depth == nullptr) {
       depth = find_depth_topic(bag);
@@ -152,7 +164,7 @@ DepthSource open_depth_bag(const std::string& path, const DepthDatasetOptions& o
     const BagTopic* info = given_topic(bag, path, options.topics, "depth_info", is_info);
     if (info == nullptr) info = info_of(bag, *depth);
     if (info != nullptr) {
-      const CameraInfo calibration = only_info(bag, *info);
+      const CameraInfo calibration = only_info(bag, *info, source.notes);
       const auto& K = calibration.K;
       if (!(K[0] > 0.0 && K[4] > 0.0)) {
         throw InputError(info->name + ": K is not that of a camera; expected intrinsics");

@@ -5,6 +5,7 @@
 
 #include "adapters/formats/datasets/bag_poses.h"
 #include "adapters/formats/datasets/bag_topics.h"
+#include "adapters/formats/datasets/elements.h"
 #include "adapters/formats/datasets/ros_messages.h"
 #include "adapters/formats/datasets/ros_scan_messages.h"
 #include "adapters/formats/datasets/scan_source.h"
@@ -50,6 +51,7 @@ ScanSource open_scan_bag(const std::string& path, const ScanOptions& options) {
   const BagFile bag = BagFile::open(path);
   source.notes = bag.notes();
   source.attempt([&] {
+    check_encodings(bag, path);
     const BagTopic* topic = given_topic(bag, path, options.topics, "scan", is_scan_topic);
     if (topic == nullptr) topic = find_scan_topic(bag, source.notes);
     if (topic == nullptr) {
@@ -61,14 +63,21 @@ ScanSource open_scan_bag(const std::string& path, const ScanOptions& options) {
     const auto stamped = stamped_messages(bag, *topic, "scans", source.notes);
     source.scans = stamped.size();
     if (stamped.empty()) throw InputError(topic->name + ": holds no message; expected scans");
-    const std::size_t first = stamped[0].second;
-    const std::string name = message_name(*topic, first);
-    if (source.planar) {
-      const RosLaserScan scan = read_ros_laser_scan(read_message(bag, *topic, first), name);
-      source.max_range = std::isfinite(scan.range_max) ? scan.range_max : 0.0;
-      source.points = scan.ranges.size();
-    } else {
-      source.points = read_ros_point_cloud(read_message(bag, *topic, first), name).size();
+    Elements scans("scans");
+    for (const auto& [stamp, i] : stamped) {
+      if (scans.read([&, i = i] {
+            const std::string bytes = read_message(bag, *topic, i), name = message_name(*topic, i);
+            if (!source.planar) {
+              source.points = read_ros_point_cloud(bytes, name).size();
+              return;
+            }
+            const RosLaserScan scan = read_ros_laser_scan(bytes, name);
+            source.max_range = std::isfinite(scan.range_max) ? scan.range_max : 0.0;
+            source.points = scan.ranges.size();
+          })) {
+        break;
+      }
+      if (scans.bad() == static_cast<int>(stamped.size())) throw InputError(scans.first());
     }
     const std::string frame = frame_of(bag, *topic);
     const auto poses =

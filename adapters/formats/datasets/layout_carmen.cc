@@ -16,6 +16,7 @@
 #include <memory>
 #include <sstream>
 
+#include "adapters/formats/datasets/elements.h"
 #include "adapters/formats/datasets/ros_scan_messages.h"
 #include "adapters/formats/datasets/scan_source.h"
 #include "adapters/formats/files/parse_number.h"
@@ -146,6 +147,7 @@ ScanSource open_carmen_log(const std::string& path, const ScanOptions& options) 
     if (!file) throw InputError(path + ": cannot be read; expected a log of CARMEN");
     auto scans = std::make_shared<std::vector<RosLaserScan>>();
     std::map<std::string, std::size_t> passed_over;
+    Elements elements("scans");
     std::size_t number = 0, out_of_order = 0;
     for (std::string line; std::getline(file, line);) {
       ++number;
@@ -155,7 +157,10 @@ ScanSource open_carmen_log(const std::string& path, const ScanOptions& options) 
         if (!kind.empty() && kind[0] != '#') ++passed_over[kind];
         continue;
       }
-      CarmenScan read = parse_scan(line, path + ":" + std::to_string(number));
+      CarmenScan read;
+      if (!elements.read([&] { read = parse_scan(line, path + ":" + std::to_string(number)); })) {
+        continue;
+      }
       if (!source.stamps.empty() && !(read.stamp > source.stamps.back())) {
         ++out_of_order;
         continue;
@@ -164,6 +169,7 @@ ScanSource open_carmen_log(const std::string& path, const ScanOptions& options) 
       source.poses.push_back(read.T);
       scans->push_back(std::move(read.scan));
     }
+    elements.finish(source.notes);
     source.scans = scans->size() + out_of_order;
     if (scans->empty()) {
       throw InputError(path + ": holds no FLASER or ROBOTLASER1 line; expected scans of a lidar");

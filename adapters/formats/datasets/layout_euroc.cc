@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <sstream>
 
+#include "adapters/formats/datasets/elements.h"
 #include "adapters/formats/datasets/number_text.h"
 #include "adapters/formats/datasets/numbered_files.h"
 #include "adapters/formats/datasets/stereo_source.h"
@@ -74,24 +75,27 @@ EurocSensor read_sensor(const std::string& path, std::vector<std::string>& notes
 }
 
 /// Time [any unit], position, quaternion (w first) and more a line: times in `unit`.
-Trajectory read_euroc_truth(const std::string& csv, double unit) {
+Trajectory read_euroc_truth(const std::string& csv, double unit, std::vector<std::string>& notes) {
   Trajectory body;
+  Elements poses("poses of " + csv);
   std::istringstream lines(read_whole_file(csv));
   std::string line;
   std::vector<double> n;
   for (int k = 1; std::getline(lines, line); ++k) {
     if (line.empty() || line[0] == '#' || line == "\r") continue;
-    if (!parse_numbers(line, n) || n.size() < 8 ||
-        std::abs(Eigen::Vector4d(n[4], n[5], n[6], n[7]).norm() - 1.0) > 0.01 ||
+    const std::string where = csv + ":" + std::to_string(k);
+    if (!parse_any_numbers(line, n) || n.size() < 8 || !std::isfinite(n[0]) ||
         (!body.empty() && !(n[0] * unit > body.back().stamp))) {
-      throw InputError(csv + ":" + std::to_string(k) +
-                       ": not a pose; expected time [ns], position, quaternion (w first)");
+      throw InputError(where +
+                       ": not a pose; expected time [ns], position, quaternion (w first), times "
+                       "that increase");
     }
-    TimedPose pose{n[0] * unit, Eigen::Isometry3d::Identity()};
-    pose.T.linear() = Eigen::Quaterniond(n[4], n[5], n[6], n[7]).normalized().toRotationMatrix();
-    pose.T.translation() << n[1], n[2], n[3];
-    body.push_back(pose);
+    poses.read([&] {
+      const Eigen::Quaterniond q(n[4], n[5], n[6], n[7]);
+      body.push_back({n[0] * unit, checked_pose({n[1], n[2], n[3]}, q, where)});
+    });
   }
+  poses.finish(notes);
   return body;
 }
 
@@ -180,15 +184,19 @@ StereoSource open_euroc(const std::string& path, const StereoDatasetOptions& opt
     const std::string csv = root + "/state_groundtruth_estimate0/data.csv";
     const std::string tum = path + "/groundtruth_tum.txt";
     if (fs::exists(tum)) {
-      source.truth = read_tum_trajectory(tum);
+      source.truth = read_tum_trajectory(tum, source.notes);
+      source.truth_of_quaternions = true;
     } else if (fs::exists(csv)) {
-      source.truth = read_euroc_truth(csv, counted ? 1e-9 : unit);
+      const double taken = counted ? 1e-9 : unit;
+      source.truth = read_euroc_truth(csv, taken, source.notes);
       const auto apart = [&] {
         return source.left.size() > 0 &&
                (source.truth.empty() || source.truth.back().stamp < source.left.stamps.front() ||
                 source.truth.front().stamp > source.left.stamps.back());
       };
-      if (unit != 1e-9 && apart()) source.truth = read_euroc_truth(csv, 1e-9);
+      if (taken != 1e-9 && apart()) {  // in ns though the images' names are not
+        for (TimedPose& pose : source.truth) pose.stamp *= 1e-9 / taken;
+      }
     }
   });
   return source;

@@ -3,7 +3,6 @@
 // given.
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <sstream>
 #include <tuple>
@@ -15,8 +14,6 @@
 
 namespace prospect {
 namespace {
-
-constexpr double kKittiRate = 10.0;  // [Hz]
 
 /// Names of the two folders, or of the two videos without their endings; the first pair that is
 /// there counts. `first` is the number of the left camera in KITTI's calib.txt.
@@ -172,45 +169,43 @@ StereoSource open_folder_pair(const std::string& path, const StereoDatasetOption
       paths[i].push_back(image.path);
     }
   }
-  const std::int64_t last = std::max(numbers[0].back(), numbers[1].back());
   const std::string times_path = path + "/times.txt";
   std::vector<double> stamps[2];
-  // Times and poses are by frame number, counted from the first file.
-  std::vector<double> times;
   const bool counted = !images[0].decimal && counts_frames(numbers[0]);
   const bool timed = fs::exists(times_path);
+  std::vector<double> times;
   if (timed) {
-    if (!source.attempt([&] { times = read_kitti_times(times_path); })) return source;
+    const bool read = source.attempt([&] {
+      times = read_kitti_times(times_path);
+      for (int i = 0; i < 2; ++i) {
+        for (const std::size_t line :
+             lines_of_images(numbers[i], times.size(), times_path, source.notes)) {
+          stamps[i].push_back(times[line]);
+        }
+      }
+    });
+    if (!read) return source;
     if (const auto unit = unit_instead_of_seconds(times)) {
       source.notes.push_back("times.txt in " + std::string(unit->name) +
                              ", by their rate; KITTI's are in s");
-      for (double& time : times) time *= unit->seconds;
+      for (std::vector<double>& camera : stamps) {
+        for (double& stamp : camera) stamp *= unit->seconds;
+      }
     }
+    const std::int64_t last = std::max(numbers[0].back(), numbers[1].back());
     if (static_cast<std::int64_t>(times.size()) > last + 1) {
       source.notes.push_back("times.txt holds " + std::to_string(times.size()) +
                              " times; the last image is number " + std::to_string(last));
     }
   } else if (counted) {
-    const double rate = options.rate.value_or(kKittiRate);
     source.times_assumed = !options.rate;
     if (source.times_assumed) {
       source.notes.push_back("no times.txt: 10 Hz assumed; --rate HZ states another");
     }
-    for (std::int64_t k = 0; k <= last && k < 1000000; ++k) {
-      // (At 10 Hz as 0.1 k, not k / 10: the last bits of stamps.)
-      times.push_back((options.rate ? 1.0 / rate : 0.1) * static_cast<double>(k));
-    }
-  }
-  if (timed || counted) {
+    // (At 10 Hz as 0.1 k, not k / 10: the last bits of stamps.)
+    const double period = options.rate ? 1.0 / *options.rate : 0.1;
     for (int i = 0; i < 2; ++i) {
-      for (const std::int64_t k : numbers[i]) {
-        if (k >= static_cast<std::int64_t>(times.size())) {
-          source.missing.push_back(times_path + ": holds " + std::to_string(times.size()) +
-                                   " times; expected one for image " + std::to_string(k));
-          return source;
-        }
-        stamps[i].push_back(times[static_cast<std::size_t>(k)]);
-      }
+      for (const std::int64_t k : numbers[i]) stamps[i].push_back(period * static_cast<double>(k));
     }
   } else {
     const auto unit = images[0].decimal ? StampUnit{1e-9, "s"} : stamp_unit(numbers[0]);
@@ -237,12 +232,18 @@ StereoSource open_folder_pair(const std::string& path, const StereoDatasetOption
     const std::string poses = timed || counted ? kitti_poses(path) : "";
     const std::string tum = path + "/groundtruth.txt";
     if (!poses.empty()) {
-      times.resize(static_cast<std::size_t>(last) + 1);
-      source.truth = read_kitti_trajectory(poses, times);
-      // Of camera 0, whichever pair is used.
-      for (TimedPose& pose : source.truth) pose.T.translate(left_position);
+      const std::vector<Eigen::Isometry3d> all = read_kitti_poses(poses, source.notes);
+      const std::vector<std::size_t> lines =
+          lines_of_images(numbers[0], all.size(), poses, source.notes);
+      for (std::size_t i = 0; i < lines.size(); ++i) {
+        if (!is_known(all[lines[i]])) continue;
+        // Of camera 0, whichever pair is used.
+        source.truth.push_back({source.left.stamps[i], all[lines[i]]});
+        source.truth.back().T.translate(left_position);
+      }
     } else if (fs::exists(tum)) {
-      source.truth = read_tum_trajectory(tum);
+      source.truth = read_tum_trajectory(tum, source.notes);
+      source.truth_of_quaternions = true;
     }
   });
   return source;
@@ -277,7 +278,10 @@ StereoSource open_video_pair(const std::string& path, const StereoDatasetOptions
   });
   // Not KITTI's poses: they are counted by frames, and a damaged video lacks some.
   const std::string truth = folder + "/groundtruth.txt";
-  if (fs::exists(truth)) source.attempt([&] { source.truth = read_tum_trajectory(truth); });
+  if (fs::exists(truth)) {
+    source.attempt([&] { source.truth = read_tum_trajectory(truth, source.notes); });
+    source.truth_of_quaternions = true;
+  }
   return source;
 }
 

@@ -1,13 +1,12 @@
 // A drive of the KITTI raw data: image_00 to image_03 with data and timestamps.txt,
-// calib_cam_to_cam.txt beside it or in the folder of the day, above.
+// calib_cam_to_cam.txt beside it or in the folder of the day, above. Or of KITTI-360: data_rect for
+// data, and calibration/perspective.txt beside the folder of the drives.
 
-#include <array>
-#include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <map>
 #include <sstream>
 
+#include "adapters/formats/datasets/kitti_raw_calibration.h"
 #include "adapters/formats/datasets/number_text.h"
 #include "adapters/formats/datasets/numbered_files.h"
 #include "adapters/formats/datasets/stereo_source.h"
@@ -15,12 +14,33 @@
 namespace prospect {
 namespace {
 
+/// "" if there is none.
 std::string raw_calibration(const std::string& path) {
   namespace fs = std::filesystem;
-  const std::string beside = path + "/calib_cam_to_cam.txt";
-  if (fs::exists(beside)) return beside;
+  std::error_code error;
   const fs::path folder = fs::absolute(path + "/x").lexically_normal().parent_path();
-  return (folder.parent_path() / "calib_cam_to_cam.txt").string();
+  for (const fs::path& above : {folder, folder.parent_path()}) {
+    for (const char* name : {"calib_cam_to_cam.txt", "perspective.txt"}) {
+      if (fs::exists(above / name, error)) return (above / name).string();
+    }
+  }
+  const fs::path file = folder.parent_path().parent_path() / "calibration" / "perspective.txt";
+  return fs::exists(file, error) ? file.string() : "";
+}
+
+/// The folder of a camera's images that a drive has, "" if it has none: of KITTI, of KITTI-360.
+std::string raw_images(const std::string& camera) {
+  std::error_code error;
+  for (const char* name : {"/data", "/data_rect"}) {
+    if (std::filesystem::is_directory(camera + name, error)) return camera + name;
+  }
+  return {};
+}
+
+/// Of KITTI-360: images of a fisheye, of which there is no pair.
+bool is_fisheye(const std::string& camera) {
+  std::error_code error;
+  return std::filesystem::is_directory(camera + "/data_rgb", error);
 }
 
 /// "2011-09-26 13:02:25.964389445" a line, as seconds since 1970; 0 where a camera has no stamp.
@@ -47,143 +67,84 @@ std::vector<double> read_raw_times(const std::string& path) {
   return times;
 }
 
-using RawCalibration = std::map<std::string, std::vector<double>>;
-
-RawCalibration read_raw_calibration(const std::string& path) {
-  RawCalibration entries;
-  std::istringstream lines(read_whole_file(path));
-  std::string line;
-  while (std::getline(lines, line)) {
-    const auto colon = line.find(':');
-    std::vector<double> numbers;
-    if (colon != std::string::npos && parse_numbers(line.substr(colon + 1), numbers)) {
-      entries[line.substr(0, colon)] = numbers;
-    }
-  }
-  return entries;
-}
-
-const std::vector<double>& entry(const RawCalibration& entries, const std::string& path,
-                                 const std::string& key, std::size_t size) {
-  const auto found = entries.find(key);
-  if (found == entries.end() || found->second.size() != size) {
-    throw InputError(path + ": " + key + " is missing or has not " + std::to_string(size) +
-                     " numbers; expected KITTI's calibration of the cameras");
-  }
-  return found->second;
-}
-
-/// Of rectified images, by P_rect; of the cameras' own, by K, D, R and T, if that is their size.
-StereoCalibration raw_stereo_calibration(const std::string& path, int first, int width,
-                                         int height) {
-  const RawCalibration entries = read_raw_calibration(path);
-  const std::string names[2] = {"_0" + std::to_string(first), "_0" + std::to_string(first + 1)};
-  StereoCalibration out;
-  out.from = path;
-  const auto& rectified_size = entry(entries, path, "S_rect" + names[0], 2);
-  if (rectified_size[0] == width && rectified_size[1] == height) {
-    const auto& P = entry(entries, path, "P_rect" + names[0], 12);
-    const auto& right = entry(entries, path, "P_rect" + names[1], 12);
-    out.rectified = true;
-    out.camera.left = {P[0], P[5], P[2], P[6], rectified_size[0], rectified_size[1]};
-    out.camera.baseline = ((P[3] - P[2] * P[11]) - (right[3] - right[2] * right[11])) / P[0];
-    check_baseline(path, out.camera.baseline);
-    return out;
-  }
-  const auto& size = entry(entries, path, "S" + names[0], 2);
-  if (size[0] != width || size[1] != height) {
-    throw InputError(path + ": is for images of " + number_text(size[0]) + " x " +
-                     number_text(size[1]) + " px, or " + number_text(rectified_size[0]) + " x " +
-                     number_text(rectified_size[1]) + " px rectified, but these have " +
-                     std::to_string(width) + " x " + std::to_string(height) +
-                     "; expected the calibration of the same day");
-  }
-  CalibratedCamera* const cameras[2] = {&out.left, &out.right};
-  for (int i = 0; i < 2; ++i) {
-    const auto& K = entry(entries, path, "K" + names[i], 9);
-    const auto& D = entry(entries, path, "D" + names[i], 5);
-    const auto& R = entry(entries, path, "R" + names[i], 9);
-    const auto& T = entry(entries, path, "T" + names[i], 3);
-    cameras[i]->pinhole = {K[0], K[4], K[2], K[5], size[0], size[1]};
-    set_lens(*cameras[i], "plumb_bob", D);
-    // Camera 0, the body, to this camera.
-    Eigen::Isometry3d T_CB = Eigen::Isometry3d::Identity();
-    Eigen::Matrix3d M;
-    for (int k = 0; k < 9; ++k) M(k / 3, k % 3) = R[static_cast<std::size_t>(k)];
-    T_CB.linear() = Eigen::Quaterniond(M).normalized().toRotationMatrix();
-    T_CB.translation() << T[0], T[1], T[2];
-    cameras[i]->T_BC = T_CB.inverse();
-  }
-  return out;
-}
-
 }  // namespace
 
 bool is_kitti_raw(const std::string& path) {
-  std::error_code error;
-  return std::filesystem::is_directory(path + "/image_00/data", error) ||
-         std::filesystem::is_directory(path + "/image_02/data", error);
+  return !raw_images(path + "/image_00").empty() || !raw_images(path + "/image_02").empty() ||
+         is_fisheye(path + "/image_02");
 }
 
 StereoSource open_kitti_raw(const std::string& path, const StereoDatasetOptions& options) {
   namespace fs = std::filesystem;
   StereoSource source;
-  source.layout = "KITTI raw";
   std::error_code error;
   int first = 0;
-  if (!fs::is_directory(path + "/image_00/data", error) ||
-      !fs::is_directory(path + "/image_01/data", error)) {
+  std::string folders[2];
+  const auto find_pair = [&](int number) {
+    for (int i = 0; i < 2; ++i) {
+      folders[i] = raw_images(path + "/image_0" + std::to_string(number + i));
+    }
+    return !folders[0].empty() && !folders[1].empty();
+  };
+  if (!find_pair(0) && find_pair(2)) {
     first = 2;
     source.notes.push_back("the colour pair, image_02 and image_03, as grey");
   }
+  source.layout = folders[0].ends_with("/data_rect") ? "KITTI-360" : "KITTI raw";
   for (int i = 0; i < 2; ++i) {
     source.attempt([&] {
       const std::string camera = path + "/image_0" + std::to_string(first + i);
-      const NumberedImages images = numbered_images(camera + "/data");
-      const std::string stamps_path = camera + "/timestamps.txt";
-      const bool timed = fs::exists(stamps_path);
-      std::vector<double> times;
-      if (timed) times = read_raw_times(stamps_path);
-      if (!timed && i == 0) {
-        source.times_assumed = !options.rate;
-        source.notes.push_back("no timestamps.txt: " + number_text(options.rate.value_or(10.0)) +
-                               " Hz assumed");
+      if (folders[i].empty()) {
+        throw InputError(camera + ": holds neither data nor data_rect; expected the images of " +
+                         (is_fisheye(path + "/image_02")
+                              ? "image_00 and image_01: the fisheye cameras of KITTI-360, image_02 "
+                                "and image_03 with data_rgb, look to the sides and are no pair"
+                              : "a pair"));
       }
-      std::vector<double> stamps;
+      const NumberedImages images = numbered_images(folders[i]);
+      std::vector<std::int64_t> numbers;
       std::vector<std::string> paths;
       for (const NumberedImage& image : images.images) {
-        if (timed && image.number >= static_cast<std::int64_t>(times.size())) {
-          throw InputError(stamps_path + ": holds " + std::to_string(times.size()) +
-                           " times; expected one for image " + std::to_string(image.number));
-        }
-        const double stamp = timed
-                                 ? times[static_cast<std::size_t>(image.number)]
-                                 : static_cast<double>(image.number) / options.rate.value_or(10.0);
-        if (!stamps.empty() && !(stamp > stamps.back())) {
-          throw InputError(stamps_path + ":" + std::to_string(image.number + 1) +
-                           ": the time does not increase; expected increasing times");
-        }
-        stamps.push_back(stamp);
+        numbers.push_back(image.number);
         paths.push_back(image.path);
       }
+      const std::string stamps_path = camera + "/timestamps.txt";
+      std::vector<double> stamps;
+      if (fs::exists(stamps_path, error)) {
+        const std::vector<double> times = read_raw_times(stamps_path);
+        for (const std::size_t line :
+             lines_of_images(numbers, times.size(), stamps_path, source.notes)) {
+          if (!stamps.empty() && !(times[line] > stamps.back())) {
+            throw InputError(stamps_path + ":" + std::to_string(line + 1) +
+                             ": the time does not increase; expected increasing times");
+          }
+          stamps.push_back(times[line]);
+        }
+      } else {
+        if (i == 0) {
+          source.times_assumed = !options.rate;
+          source.notes.push_back("no timestamps.txt: " + number_text(options.rate.value_or(10.0)) +
+                                 " Hz assumed");
+        }
+        for (const std::int64_t k : numbers) {
+          stamps.push_back(static_cast<double>(k) / options.rate.value_or(10.0));
+        }
+      }
       (i == 0 ? source.left : source.right) =
-          image_files(camera + "/data", std::move(stamps), std::move(paths));
+          image_files(folders[i], std::move(stamps), std::move(paths));
     });
   }
   source.attempt([&] {
-    if (!options.calibration.empty()) {
-      source.calibration = read_stereo_calibration(options.calibration, options.rectified);
-      return;
-    }
-    const std::string file = raw_calibration(path);
-    if (!fs::exists(file)) {
+    const std::string file =
+        options.calibration.empty() ? raw_calibration(path) : options.calibration;
+    if (file.empty()) {
       throw InputError(path +
-                       ": calib_cam_to_cam.txt is neither there nor in the folder above; expected "
-                       "it, or --calibration FILE");
+                       ": calib_cam_to_cam.txt is neither there nor in the folder above, nor is "
+                       "../../calibration/perspective.txt; expected one, or --calibration FILE");
     }
-    if (source.left.size() == 0) return;  // said already
-    const RawImage image = source.left.read(0);
-    source.calibration = raw_stereo_calibration(file, first, image.width, image.height);
+    source.calibration = options.calibration.empty() || is_kitti_raw_calibration(file)
+                             ? read_kitti_raw_calibration(file, first)
+                             : read_stereo_calibration(file, options.rectified);
   });
   if (fs::is_directory(path + "/oxts", error)) {
     source.notes.push_back("oxts (satellite navigation) is not read: no ground truth");

@@ -87,7 +87,8 @@ DepthSource open_tum_rgbd(const std::string& path, const DepthDatasetOptions&) {
     const std::string truth_path = path + "/groundtruth.txt";
     Trajectory truth;
     if (std::filesystem::exists(truth_path)) {
-      truth = read_tum_trajectory(truth_path);
+      truth = read_tum_trajectory(truth_path, source.notes);
+      source.poses_of_quaternions = true;
       // In the unit of the images, if they are of the same time then.
       if (unit != 1.0 && truth.back().stamp > frames.front().stamp * unit * 10.0) {
         for (TimedPose& pose : truth) pose.stamp *= unit;

@@ -50,6 +50,65 @@ void check_jpeg(const std::string& name, std::string_view bytes) {
   }
 }
 
+/// Numbers of a TIFF file or block, in its byte order.
+class TiffBytes {
+ public:
+  explicit TiffBytes(std::string_view bytes) : bytes_(bytes), little_(bytes.starts_with("II")) {}
+  std::uint32_t number(std::size_t at, std::size_t size) const {
+    if (at > bytes_.size() || size > bytes_.size() - at) return 0;
+    std::uint32_t value = 0;
+    for (std::size_t i = 0; i < size; ++i) {
+      const std::size_t byte = at + (little_ ? size - 1 - i : i);
+      value = value << 8 | static_cast<unsigned char>(bytes_[byte]);
+    }
+    return value;
+  }
+
+ private:
+  std::string_view bytes_;
+  bool little_;
+};
+
+/// The entry Orientation of the first directory of a TIFF file or an Exif block; 1 (as the pixels
+/// lie) if there is none.
+int tiff_orientation(std::string_view bytes) {
+  constexpr std::uint32_t kOrientation = 0x0112;
+  if (!bytes.starts_with("II") && !bytes.starts_with("MM")) return 1;
+  const TiffBytes tiff(bytes);
+  const std::size_t directory = tiff.number(4, 4);
+  const std::uint32_t entries = tiff.number(directory, 2);
+  for (std::uint32_t n = 0; n < entries; ++n) {
+    const std::size_t entry = directory + 2 + std::size_t{12} * n;
+    if (tiff.number(entry, 2) == kOrientation) return static_cast<int>(tiff.number(entry + 8, 2));
+  }
+  return 1;
+}
+
+/// The Exif block of a JPEG or PNG, a TIFF file itself; empty if there is none.
+std::string_view exif_of(std::string_view bytes) {
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(bytes[i]); };
+  if (bytes.starts_with("II") || bytes.starts_with("MM")) return bytes;
+  if (bytes.starts_with("\x89PNG")) {
+    for (std::size_t at = 8; at + 12 <= bytes.size();) {
+      std::size_t length = 0;
+      for (std::size_t i = 0; i < 4; ++i) length = length << 8 | byte(at + i);
+      if (length > bytes.size() - at - 12) return {};
+      if (bytes.substr(at + 4, 4) == "eXIf") return bytes.substr(at + 8, length);
+      at += 12 + length;
+    }
+    return {};
+  }
+  if (!bytes.starts_with("\xff\xd8")) return {};
+  for (std::size_t at = 2; at + 10 <= bytes.size() && byte(at) == 0xff && byte(at + 1) != 0xda;) {
+    const std::size_t length = byte(at + 2) * std::size_t{256} + byte(at + 3);
+    if (byte(at + 1) == 0xe1 && bytes.substr(at + 4, 6) == std::string_view("Exif\0\0", 6)) {
+      return bytes.substr(at + 10, length - std::min<std::size_t>(length, 8));
+    }
+    at += 2 + length;
+  }
+  return {};
+}
+
 RawImage raw_image(const cv::Mat& image, const std::string& name) {
   RawImage raw;
   raw.width = image.cols;
@@ -103,6 +162,13 @@ bool is_image_name(const std::string& name) {
 }
 
 RawImage decode_image(std::string_view bytes, const std::string& name) {
+  // Programs differ in whether they turn the pixels: a calibration is of one of the two.
+  const int orientation = tiff_orientation(exif_of(bytes));
+  if (orientation != 1 && orientation != 0) {
+    throw InputError(name + ": its orientation (Exif) is " + std::to_string(orientation) +
+                     ", so pixels are to be turned or mirrored; expected 1: `exiftran -a` or "
+                     "`mogrify -auto-orient` turns them, deleting the entry leaves them");
+  }
   std::string checked;
   if (bytes.starts_with("\x89PNG")) {
     checked = checked_png(name, bytes, kMostImagePixels);

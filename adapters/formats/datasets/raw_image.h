@@ -29,9 +29,10 @@ struct RawImage {
 /// by its ending in any case. Hidden files are none: every archive from a Mac is full of them.
 bool is_image_name(const std::string& name);
 
-/// The pixels of an encoded image, as they are: no orientation, no colour profile. `name` stands
-/// for it in messages. Throws InputError, one line: not an image, truncated, damaged, more than
-/// 100 million pixels, or numbers that are neither of 8 or 16 bits nor 32-bit floats.
+/// The pixels of an encoded image, as they are: no colour profile. `name` stands for it in
+/// messages. Throws InputError, one line: not an image, truncated, damaged, more than 100 million
+/// pixels, numbers that are neither of 8 or 16 bits nor 32-bit floats, or an orientation (Exif,
+/// TIFF) by which pixels are to be turned.
 RawImage decode_image(std::string_view bytes, const std::string& name);
 /// Likewise, of a file.
 RawImage read_image_file(const std::string& path);

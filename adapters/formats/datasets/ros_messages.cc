@@ -9,6 +9,8 @@
 #include <utility>
 
 #include "adapters/formats/datasets/camera_window.h"
+#include "adapters/formats/datasets/elements.h"
+#include "adapters/formats/datasets/trajectory.h"
 #include "adapters/formats/files/input_error.h"
 #include "adapters/formats/ros/cdr.h"
 #include "adapters/formats/ros/geometry_msgs.h"
@@ -48,24 +50,15 @@ constexpr RosEncoding kRosEncodings[] = {
     {"yuv422_yuy2", CV_8UC2, cv::COLOR_YUV2GRAY_YUY2},
     {"yuyv", CV_8UC2, cv::COLOR_YUV2GRAY_YUY2}};
 
-Eigen::Isometry3d isometry_of(const Eigen::Vector3d& position, const ros::Quaternion& orientation,
-                              const std::string& name) {
-  const Eigen::Quaterniond q(orientation.w, orientation.x, orientation.y, orientation.z);
-  if (!(std::abs(q.norm() - 1.0) < 0.01) || !position.allFinite()) {
-    throw InputError(name + ": not a pose; expected finite numbers and a unit quaternion");
-  }
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.linear() = q.normalized().toRotationMatrix();
-  T.translation() = position;
-  return T;
-}
+Eigen::Quaterniond quaternion_of(const ros::Quaternion& q) { return {q.w, q.x, q.y, q.z}; }
 Eigen::Isometry3d isometry_of(const ros::Pose& pose, const std::string& name) {
-  return isometry_of({pose.position.x, pose.position.y, pose.position.z}, pose.orientation, name);
+  return checked_pose({pose.position.x, pose.position.y, pose.position.z},
+                      quaternion_of(pose.orientation), name);
 }
 RosTransform transform_of(const ros::TransformStamped& m, const std::string& name) {
   const ros::Vector3& at = m.transform.translation;
   return {ros::seconds(m.header.stamp), m.header.frame_id, m.child_frame_id,
-          isometry_of({at.x, at.y, at.z}, m.transform.rotation, name)};
+          checked_pose({at.x, at.y, at.z}, quaternion_of(m.transform.rotation), name)};
 }
 
 std::string_view view_of(std::span<const std::uint8_t> bytes) {
@@ -175,6 +168,24 @@ std::vector<RosTransform> read_ros_transforms(std::string_view cdr, const std::s
   std::vector<RosTransform> out;
   for (const ros::TransformStamped& one : ros::from_cdr<ros::TFMessage>(cdr, name).transforms) {
     out.push_back(transform_of(one, name));
+  }
+  return out;
+}
+
+std::vector<RosTransform> read_ros_transforms(std::string_view cdr, const std::string& name,
+                                              Elements& transforms) {
+  std::vector<RosTransform> out;
+  ros::TFMessage message;
+  try {
+    message = ros::from_cdr<ros::TFMessage>(cdr, name);
+  } catch (const InputError& error) {
+    transforms.read([&] { throw InputError(error); });
+    return out;
+  }
+  for (const ros::TransformStamped& one : message.transforms) {
+    out.push_back(
+        {ros::seconds(one.header.stamp), one.header.frame_id, one.child_frame_id, unknown_pose()});
+    transforms.read([&] { out.back() = transform_of(one, name); });
   }
   return out;
 }

@@ -11,6 +11,8 @@
 
 namespace prospect {
 
+class Elements;
+
 /// Stamp and frame of a message.
 struct RosHeader {
   double stamp = 0.0;  ///< [s]; 0: not set
@@ -36,6 +38,9 @@ struct RosTransform {
 };
 /// tf2_msgs/msg/TFMessage.
 std::vector<RosTransform> read_ros_transforms(std::string_view cdr, const std::string& name);
+/// Likewise, but what is no pose has T = unknown_pose() (trajectory.h), and is counted.
+std::vector<RosTransform> read_ros_transforms(std::string_view cdr, const std::string& name,
+                                              Elements& transforms);
 /// nav_msgs/msg/Odometry, geometry_msgs/msg/PoseStamped (without child) or TransformStamped, by
 /// `type`.
 RosTransform read_ros_pose(std::string_view cdr, const std::string& type, const std::string& name);

@@ -8,27 +8,19 @@
 #include <utility>
 
 #include "adapters/formats/datasets/camera_window.h"
+#include "adapters/formats/datasets/kitti_raw_calibration.h"
 #include "adapters/formats/datasets/number_text.h"
 #include "adapters/formats/datasets/numbered_files.h"
 #include "adapters/formats/datasets/trajectory.h"
+#include "adapters/formats/datasets/zed_calibration.h"
 #include "adapters/formats/files/input_error.h"
 #include "adapters/formats/files/loose_yaml.h"
+#include "models/lower_case.h"
 
 namespace prospect {
 namespace {
 
 constexpr double kMinBaseline = 0.01, kMaxBaseline = 2.0;  // [m]
-
-Eigen::Isometry3d rigid(const std::string& where, const Eigen::Matrix3d& R,
-                        const Eigen::Vector3d& t) {
-  if ((R * R.transpose() - Eigen::Matrix3d::Identity()).norm() > 0.01 || R.determinant() < 0.0) {
-    throw InputError(where + ": not a rotation; expected one");
-  }
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.linear() = Eigen::Quaterniond(R).normalized().toRotationMatrix();
-  T.translation() = t;
-  return T;
-}
 
 Eigen::Matrix3d by_rows(const std::vector<double>& n) {
   Eigen::Matrix3d M;
@@ -134,7 +126,7 @@ StereoCalibration read_opencv(const LooseYaml& intrinsics, const LooseYaml& extr
   const std::string R = extrinsics.first_of({"R"});
   // x_right = R x_left + T; the body is the left camera.
   out.right.T_BC =
-      rigid(extrinsics.where("R"), by_rows(extrinsics.numbers(R.empty() ? "R" : R, 9)), T)
+      checked_pose(T, by_rows(extrinsics.numbers(R.empty() ? "R" : R, 9)), extrinsics.where("R"))
           .inverse();
   return out;
 }
@@ -165,7 +157,8 @@ Eigen::Isometry3d read_transform(const LooseYaml& yaml, const std::string& key) 
   const auto n = yaml.numbers(key, 16);
   Eigen::Matrix4d M;
   for (int i = 0; i < 16; ++i) M(i / 4, i % 4) = n[static_cast<std::size_t>(i)];
-  return rigid(yaml.where(key), M.topLeftCorner<3, 3>(), M.topRightCorner<3, 1>());
+  return checked_pose(M.topRightCorner<3, 1>(), Eigen::Matrix3d(M.topLeftCorner<3, 3>()),
+                      yaml.where(key));
 }
 
 StereoCalibration read_camchain(const LooseYaml& yaml, const std::string& from) {
@@ -338,11 +331,22 @@ StereoCalibration calibration_of(const CameraInfo& left, const CameraInfo& right
                        ": states no projection matrix (P); expected that of a stereo calibration");
     }
   }
-  const double baseline = left.P[3] / left.P[0] - right.P[3] / right.P[0];
+  double baseline = left.P[3] / left.P[0] - right.P[3] / right.P[0];
   if (right.P[3] == 0.0 && left.P[3] == 0.0) {
     throw InputError(right_from +
                      ": P states no baseline (its fourth number is 0); expected -fx times the "
                      "baseline: the calibration of a pair, not of one camera");
+  }
+  if (right.P[3] == left.P[3]) {
+    throw InputError(right_from + ": P has the same fourth number, " + number_text(right.P[3]) +
+                     ", as that of " + left_from +
+                     "; expected 0 for the left camera and -fx times the baseline for the right");
+  }
+  if (left.P[3] == 0.0 && right.P[3] > 0.0) {
+    // As drivers of DepthAI and older ones of RealSense write it.
+    baseline = -baseline;
+    out.wrong_side = right_from + ": P states " + number_text(right.P[3]) +
+                     " as its fourth number, where -fx times the baseline is due";
   }
   check_baseline(right_from, baseline);
   if (rectified) {
@@ -369,9 +373,31 @@ StereoCalibration calibration_of(const CameraInfo& left, const CameraInfo& right
     cameras[i]->pinhole = pinhole_of(*from[i], info.K, info.width, info.height);
     use_lens(*cameras[i], *from[i], info.model, info.D);
     // R turns the camera's rays into the rectified pair's frame, which is the body.
-    cameras[i]->T_BC = rigid(*from[i], by_rows(info.R), Eigen::Vector3d(i * baseline, 0.0, 0.0));
+    cameras[i]->T_BC = checked_pose({i * baseline, 0.0, 0.0}, by_rows(info.R), *from[i]);
   }
   return out;
+}
+
+StereoCalibration of_size(const StereoCalibration& calibration, int width, int height) {
+  const auto size_of = [](const StereoCalibration& c) {
+    return c.rectified ? c.camera.left : c.left.pinhole;
+  };
+  std::string known;
+  std::vector<const StereoCalibration*> all = {&calibration};
+  for (const StereoCalibration& other : calibration.others) all.push_back(&other);
+  for (const StereoCalibration* one : all) {
+    const PinholeCamera size = size_of(*one);
+    if (size.width == width && size.height == height) {
+      StereoCalibration out = *one;
+      out.others.clear();
+      return out;
+    }
+    known += (known.empty() ? "" : ", ") + number_text(size.width) + " x " +
+             number_text(size.height) + " px" + (one->rectified ? " rectified" : "");
+  }
+  throw InputError(calibration.from + ": is for images of " + known + ", but these have " +
+                   std::to_string(width) + " x " + std::to_string(height) +
+                   "; expected the calibration of these cameras");
 }
 
 StereoCalibration read_stereo_calibration(const std::string& files, bool rectified) {
@@ -379,6 +405,8 @@ StereoCalibration read_stereo_calibration(const std::string& files, bool rectifi
   const std::string first = files.substr(0, comma);
   const std::string second = comma == std::string::npos ? "" : files.substr(comma + 1);
   const std::string text = read_whole_file(first);
+  if (lower_case(first).ends_with(".conf")) return read_zed_calibration(first);
+  if (is_kitti_raw_calibration(first)) return read_kitti_raw_calibration(first, 0);
   if (first.ends_with(".txt") || text.starts_with("P0:")) {
     return read_kitti_calibration(first, 0);
   }
@@ -401,12 +429,17 @@ StereoCalibration read_stereo_calibration(const std::string& files, bool rectifi
     const LooseYaml extrinsics =
         second.empty() ? yaml : LooseYaml::from_text(read_whole_file(second), second);
     out = read_opencv(yaml, extrinsics, first);
+  } else if (yaml.has("model_type")) {
+    throw InputError(first + ": the calibration of one camera by the model " +
+                     yaml.text("model_type", "") +
+                     ", which is not supported (KITTI-360's fisheye cameras have such a file); "
+                     "expected that of a pair, with radtan or equidistant distortion");
   } else {
     throw InputError(
         first +
         ": neither calib.txt (P0, P1), nor camera_info (camera_matrix, projection_matrix), nor "
-        "OpenCV stereo (M1 D1 M2 D2 R T), nor Kalibr's camchain (cam0, cam1); expected one of "
-        "these");
+        "OpenCV stereo (M1 D1 M2 D2 R T), nor Kalibr's camchain (cam0, cam1), nor a ZED's .conf; "
+        "expected one of these");
   }
   out.from = first;
   if (rectified) {

@@ -16,15 +16,25 @@ struct StereoCalibration {
   CalibratedCamera left, right;  ///< otherwise; a size of 0 likewise. T_BC to any common body
   std::string from;              ///< file or topics, for messages
   std::vector<std::string> notes;  ///< what was assumed or passed over, one line each
+  /// Not empty: P says that the right camera is to the left, in this line; it is taken to be on the
+  /// right, if the images agree.
+  std::string wrong_side;
+  /// What the file states for images of other sizes.
+  std::vector<StereoCalibration> others;
 };
+
+/// Of a calibration with others the first one for images of this size [px]. Throws InputError if
+/// none is.
+StereoCalibration of_size(const StereoCalibration& calibration, int width, int height);
 
 /// The forms that a calibration may have.
 ///   calib.txt      KITTI: P0 and P1, twelve numbers each (or P2 and P3, see
-///   read_kitti_calibration) camera_info    ROS: K, D, R, P of one camera a file;
-///   `left.yaml,right.yaml` OpenCV stereo  `%YAML:1.0`, M1 D1 M2 D2 R T (or K1.., cameraMatrix1..),
-///   in one file, or two as
+///                  read_kitti_calibration); or of its raw drives (kitti_raw_calibration.h)
+///   camera_info    ROS: K, D, R, P of one camera a file; `left.yaml,right.yaml`
+///   OpenCV stereo  `%YAML:1.0`, M1 D1 M2 D2 R T (or K1.., cameraMatrix1..), in one file, or two as
 ///                  OpenCV's own sample writes them: `intrinsics.yml,extrinsics.yml`
 ///   camchain       Kalibr: cam0 and cam1 with intrinsics, distortion, T_cn_cnm1
+///   .conf          Stereolabs' of a ZED (zed_calibration.h)
 /// `files`: one path, or two separated by a comma. `rectified` says that the images are rectified
 /// already, by R and P of a camera_info.
 /// Throws InputError, one line: what is missing or wrong, or that it is none of these.

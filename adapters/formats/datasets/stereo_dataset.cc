@@ -4,12 +4,15 @@
 #include <stdexcept>
 #include <utility>
 
+#include "adapters/formats/datasets/elements.h"
 #include "adapters/formats/datasets/number_text.h"
 #include "adapters/formats/files/input_error.h"
 #include "perception/odometry/stereo_check.h"
 
 namespace prospect {
 namespace {
+
+constexpr int kEnoughMatches = 20;  // to say on which side the right camera is
 
 std::string size_text(int width, int height) {
   return std::to_string(width) + " x " + std::to_string(height);
@@ -43,22 +46,45 @@ StereoDataset StereoDataset::open(StereoSource source, const StereoDatasetOption
   const bool raw = !source.calibration->rectified;
   const Eigen::Isometry3d T_BC =
       raw && !source.truth_of_body ? source.calibration->left.T_BC : Eigen::Isometry3d::Identity();
-  dataset.rectify(std::move(*source.calibration));
+  const auto [left, right] = dataset.first_readable_pair();
+  if (left.width != right.width || left.height != right.height) {
+    throw InputError(dataset.right_.names[pairs.pairs[0].second] + ": has " +
+                     size_text(right.width, right.height) + " pixels, the left image " +
+                     size_text(left.width, left.height) + "; expected the same");
+  }
+  const std::string wrong_side = source.calibration->wrong_side;
+  dataset.rectify(std::move(*source.calibration), left);
   dataset.find_bits();
-  dataset.check_first_pair();
+  dataset.check_pairs(wrong_side);
   dataset.ground_truth_ = std::move(source.truth);
+  if (source.truth_of_quaternions) {
+    for (const TimedPose& pose : dataset.ground_truth_) {
+      dataset.ground_truth_w_first_.push_back({pose.stamp, with_w_first(pose.T)});
+    }
+  }
   if (raw) {
     // To the rectified left camera: from the body, or from the left camera as it is.
-    for (TimedPose& pose : dataset.ground_truth_) {
-      if (!source.truth_of_body) pose.T = pose.T * T_BC.inverse();
-      pose.T = pose.T * dataset.rectification_->T_BC();
+    for (Trajectory* truth : {&dataset.ground_truth_, &dataset.ground_truth_w_first_}) {
+      for (TimedPose& pose : *truth) {
+        if (!source.truth_of_body) pose.T = pose.T * T_BC.inverse();
+        pose.T = pose.T * dataset.rectification_->T_BC();
+      }
     }
   }
   return dataset;
 }
 
-void StereoDataset::rectify(StereoCalibration calibration) {
-  const RawImage first = left_.read(pairs_[0].first);
+/// The first pair of which both images can be read.
+std::pair<RawImage, RawImage> StereoDataset::first_readable_pair() const {
+  std::pair<RawImage, RawImage> images;
+  Elements pairs("pairs");
+  for (const auto& [l, r] : pairs_) {
+    if (pairs.read([&, l = l, r = r] { images = {left_.read(l), right_.read(r)}; })) return images;
+  }
+  throw InputError(pairs.first());
+}
+
+void StereoDataset::rectify(StereoCalibration calibration, const RawImage& first) {
   if (calibration.rectified) {
     camera_ = calibration.camera;
     if (camera_.left.width == 0.0) {  // calib.txt does not say the size
@@ -94,12 +120,18 @@ void StereoDataset::find_bits() {
   constexpr std::size_t kSamples = 8;
   const std::size_t step = std::max<std::size_t>(1, pairs_.size() / kSamples);
   bool wide = false;
+  Elements samples("pairs");
   for (std::size_t k = 0; k < pairs_.size(); k += step) {
-    const RawImage left = left_.read(pairs_[k].first);
+    RawImage left, right;
+    if (!samples.read([&] {
+          left = left_.read(pairs_[k].first);
+          right = right_.read(pairs_[k].second);
+        })) {
+      continue;
+    }
     if (left.kind != RawImage::Kind::k16) break;
     wide = true;
-    bits_ =
-        std::max({bits_, significant_bits(left), significant_bits(right_.read(pairs_[k].second))});
+    bits_ = std::max({bits_, significant_bits(left), significant_bits(right)});
   }
   if (wide) {
     notes_.push_back("16-bit images whose numbers have " + std::to_string(bits_) +
@@ -107,22 +139,36 @@ void StereoDataset::find_bits() {
   }
 }
 
-void StereoDataset::check_first_pair() {
-  // Sizes, decoding and rectification of the first pair; then what the images themselves say.
-  const RawImage left = left_.read(pairs_[0].first), right = right_.read(pairs_[0].second);
+void StereoDataset::check_pairs(const std::string& wrong_side) {
+  // What the images themselves say. A pair that is dark, blurred or cannot be read says nothing:
+  // ask a few along the recording.
   const std::string& name = right_.names[pairs_[0].second];
-  if (left.width != right.width || left.height != right.height) {
-    throw InputError(name + ": has " + size_text(right.width, right.height) +
-                     " pixels, the left image " + size_text(left.width, left.height) +
-                     "; expected the same");
-  }
-  // A pair that is dark or blurred says nothing: ask a few along the recording.
+  std::string complaint;
+  Elements samples("pairs");
   for (const int i : {0, size() / 2, size() - 1}) {
-    const Pair pair = read(i);
-    const std::string complaint =
-        stereo_complaint(check_stereo(pair.left.view(), pair.right.view()));
-    if (complaint.empty()) return;
-    if (i == size() - 1 || size() == 1) throw InputError(name + ": " + complaint);
+    StereoCheck check;
+    if (!samples.read([&] {
+          const Pair pair = read(i);
+          check = check_stereo(pair.left.view(), pair.right.view());
+        })) {
+      continue;
+    }
+    complaint = stereo_complaint(check);
+    if (!complaint.empty()) continue;
+    if (wrong_side.empty()) return;
+    if (check.matches >= kEnoughMatches && check.matches > 2 * check.matches_swapped) {
+      notes_.push_back(wrong_side + ": taken for the right camera being " +
+                       number_text(camera_.baseline) + " m to the right, as the images say (" +
+                       std::to_string(check.matches) + " matches)");
+      return;
+    }
+  }
+  if (!complaint.empty()) throw InputError(name + ": " + complaint);
+  if (samples.bad() == samples.all()) throw InputError(samples.first());
+  if (!wrong_side.empty()) {
+    throw InputError(wrong_side +
+                     ", and the images have too little texture to say on which side the right "
+                     "camera is; expected it to be negative");
   }
 }
 

@@ -25,7 +25,7 @@ namespace prospect {
 class StereoDataset {
  public:
   /// Throws InputError, one line: what is missing, misnamed, malformed or does not fit together;
-  /// also where the first pair contradicts the calibration: a size that does not fit, a baseline
+  /// also where pairs contradict the calibration: a size that does not fit, a baseline
   /// that is not 0.01 to 2 m to the right, left and right exchanged, rows that do not correspond
   /// (perception/odometry/stereo_check.h). A wrong scale of the baseline within that range cannot
   /// be seen in images; compare with the ground truth's length where there is one.
@@ -43,17 +43,20 @@ class StereoDataset {
   const std::vector<std::string>& notes() const { return notes_; }
 
   using Pair = ImagePair;
-  /// Throws InputError if an image cannot be decoded. One of another size than the first makes its
-  /// frame lost.
+  /// Throws InputError if an image cannot be decoded or has another size than the first: this pair
+  /// is bad, not the recording (elements.h).
   Pair read(int i) const;
 
   /// Poses of the rectified left camera; empty: not known.
   const Trajectory& ground_truth() const { return ground_truth_; }
+  /// The same if w were first in its file's quaternions; empty where their order is stated.
+  const Trajectory& ground_truth_w_first() const { return ground_truth_w_first_; }
 
  private:
-  void rectify(StereoCalibration calibration);
+  std::pair<RawImage, RawImage> first_readable_pair() const;
+  void rectify(StereoCalibration calibration, const RawImage& first);
   void find_bits();
-  void check_first_pair();
+  void check_pairs(const std::string& wrong_side);
   Image read_grey(const ImageStream& camera, std::size_t i) const;
 
   std::string layout_;
@@ -66,7 +69,7 @@ class StereoDataset {
   bool times_assumed_ = false;
   std::vector<std::string> notes_;
   std::string calibration_from_;
-  Trajectory ground_truth_;
+  Trajectory ground_truth_, ground_truth_w_first_;
   std::shared_ptr<const Rectification> rectification_;  // null: rectified already
 };
 

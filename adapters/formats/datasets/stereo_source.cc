@@ -10,8 +10,9 @@ namespace prospect {
 const std::vector<StereoLayout>& stereo_layouts() {
   static const std::vector<StereoLayout> layouts = {
       {"ROS 2 bag", "a .mcap or .db3 file (ROS 2 bag)", is_bag, open_stereo_bag},
-      {"KITTI raw", "image_00/data and calib_cam_to_cam.txt (KITTI raw)", is_kitti_raw,
-       open_kitti_raw},
+      {"KITTI raw",
+       "image_00/data and calib_cam_to_cam.txt (KITTI raw), image_00/data_rect (KITTI-360)",
+       is_kitti_raw, open_kitti_raw},
       {"EuRoC", "mav0/cam0 and mav0/cam1 with sensor.yaml and data (EuRoC)", is_euroc, open_euroc},
       {"videos",
        "videos left.mp4 and right.mp4, or the like, with a calibration; a video of both side by "
@@ -32,7 +33,16 @@ const StereoLayout* find_stereo_layout(const std::string& path) {
 StereoSource open_stereo_source(const std::string& path, const StereoDatasetOptions& options) {
   namespace fs = std::filesystem;
   std::error_code error;
-  if (const StereoLayout* layout = find_stereo_layout(path)) return layout->open(path, options);
+  if (const StereoLayout* layout = find_stereo_layout(path)) {
+    StereoSource source = layout->open(path, options);
+    if (source.calibration && !source.calibration->others.empty() && source.left.size() > 0) {
+      source.attempt([&] {
+        const RawImage image = first_readable(source.left);
+        source.calibration = of_size(*source.calibration, image.width, image.height);
+      });
+    }
+    return source;
+  }
   const std::string known = looked_for(stereo_layouts(), "; ");
   if (!fs::exists(path, error)) {
     throw InputError(path + ": no such folder; expected a recording of a stereo pair");

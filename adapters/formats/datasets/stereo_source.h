@@ -33,6 +33,8 @@ struct StereoSource : RecordingSource {
   std::optional<StereoCalibration> calibration;
   Trajectory truth;            ///< of the left camera as it is, or of the body
   bool truth_of_body = false;  ///< of the body of the calibration's T_BC
+  /// Its quaternions have no names in the file: w, which is last by rule, may be first.
+  bool truth_of_quaternions = false;
 };
 
 using StereoLayout = RecordingLayout<StereoSource, StereoDatasetOptions>;

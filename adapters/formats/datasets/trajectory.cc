@@ -6,7 +6,9 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 
+#include "adapters/formats/datasets/elements.h"
 #include "adapters/formats/files/input_error.h"
 
 namespace prospect {
@@ -34,7 +36,45 @@ void check_order(const Trajectory& trajectory, double stamp, const std::string& 
 
 }  // namespace
 
-bool parse_numbers(const std::string& line, std::vector<double>& numbers) {
+Eigen::Isometry3d checked_pose(const Eigen::Vector3d& position, const Eigen::Quaterniond& rotation,
+                               const std::string& where) {
+  if (!(std::abs(rotation.norm() - 1.0) < 0.01) || !position.allFinite()) {
+    throw InputError(where + ": not a pose; expected finite numbers and a unit quaternion");
+  }
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.linear() = rotation.normalized().toRotationMatrix();
+  T.translation() = position;
+  return T;
+}
+
+Eigen::Isometry3d checked_pose(const Eigen::Vector3d& position, const Eigen::Matrix3d& rotation,
+                               const std::string& where) {
+  if (!((rotation * rotation.transpose() - Eigen::Matrix3d::Identity()).norm() < 0.01) ||
+      rotation.determinant() < 0.0 || !position.allFinite()) {
+    throw InputError(where + ": not a pose; expected finite numbers and a rotation");
+  }
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.linear() = nearest_rotation(rotation).toRotationMatrix();
+  T.translation() = position;
+  return T;
+}
+
+Eigen::Isometry3d unknown_pose() {
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.affine().setConstant(std::numeric_limits<double>::quiet_NaN());
+  return T;
+}
+
+bool is_known(const Eigen::Isometry3d& T) { return T.matrix().allFinite(); }
+
+Eigen::Isometry3d with_w_first(const Eigen::Isometry3d& T) {
+  const Eigen::Quaterniond q = nearest_rotation(T.linear());
+  Eigen::Isometry3d out = T;
+  out.linear() = Eigen::Quaterniond(q.x(), q.y(), q.z(), q.w()).toRotationMatrix();
+  return out;
+}
+
+bool parse_any_numbers(const std::string& line, std::vector<double>& numbers) {
   numbers.clear();
   const char* p = line.data();
   const char* const end = p + line.size();
@@ -44,68 +84,67 @@ bool parse_numbers(const std::string& line, std::vector<double>& numbers) {
     if (p == end) return true;
     double value = 0.0;
     const auto [next, error] = std::from_chars(p, end, value);
-    if (error != std::errc() || (next != end && !separator(*next)) || !std::isfinite(value)) {
-      return false;
-    }
+    if (error != std::errc() || (next != end && !separator(*next))) return false;
     numbers.push_back(value);
     p = next;
   }
 }
 
-Trajectory read_tum_trajectory(const std::string& path) {
+bool parse_numbers(const std::string& line, std::vector<double>& numbers) {
+  return parse_any_numbers(line, numbers) &&
+         std::all_of(numbers.begin(), numbers.end(), [](double n) { return std::isfinite(n); });
+}
+
+Trajectory read_tum_trajectory(const std::string& path, std::vector<std::string>& notes) {
   std::ifstream file = open(path);
   Trajectory trajectory;
+  Elements poses("poses of " + path);
+  bool w_first = false;
   std::string line;
   std::vector<double> n;
   for (int number = 1; std::getline(file, line); ++number) {
-    if (line.empty() || line[0] == '#' || line == "\r") continue;
+    if (line.empty() || line[0] == '#' || line == "\r") {
+      const auto w = line.find("qw"), x = line.find("qx");
+      if (w != std::string::npos && x != std::string::npos) w_first = w < x;
+      continue;
+    }
     const std::string where = at(path, number);
-    if (!parse_numbers(line, n) || n.size() != 8) {
+    if (!parse_any_numbers(line, n) || n.size() != 8 || !std::isfinite(n[0])) {
       throw InputError(where + ": not a pose; expected stamp tx ty tz qx qy qz qw");
     }
-    const Eigen::Quaterniond q(n[7], n[4], n[5], n[6]);
-    if (std::abs(q.norm() - 1.0) > 0.01) {
-      throw InputError(where + ": the quaternion's norm is " + std::to_string(q.norm()) +
-                       "; expected 1");
-    }
     check_order(trajectory, n[0], where);
-    TimedPose pose{n[0], Eigen::Isometry3d::Identity()};
-    pose.T.linear() = q.normalized().toRotationMatrix();
-    pose.T.translation() << n[1], n[2], n[3];
-    trajectory.push_back(pose);
+    poses.read([&] {
+      const Eigen::Quaterniond q = w_first ? Eigen::Quaterniond(n[4], n[5], n[6], n[7])
+                                           : Eigen::Quaterniond(n[7], n[4], n[5], n[6]);
+      trajectory.push_back({n[0], checked_pose({n[1], n[2], n[3]}, q, where)});
+    });
   }
+  poses.finish(notes);
   if (trajectory.empty()) throw InputError(path + ": holds no pose; expected at least one");
+  if (w_first) notes.push_back(path + ": its quaternions have w first, as its header says");
   return trajectory;
 }
 
-Trajectory read_kitti_trajectory(const std::string& path, const std::vector<double>& stamps) {
+std::vector<Eigen::Isometry3d> read_kitti_poses(const std::string& path,
+                                                std::vector<std::string>& notes) {
   std::ifstream file = open(path);
-  Trajectory trajectory;
+  std::vector<Eigen::Isometry3d> out;
+  Elements poses("poses of " + path);
   std::string line;
   std::vector<double> n;
-  for (int number = 1; trajectory.size() < stamps.size() && std::getline(file, line); ++number) {
+  for (int number = 1; std::getline(file, line); ++number) {
     if (line.empty() || line == "\r") continue;
     const std::string where = at(path, number);
-    if (!parse_numbers(line, n) || n.size() != 12) {
+    if (!parse_any_numbers(line, n) || n.size() != 12) {
       throw InputError(where + ": not a pose; expected twelve numbers");
     }
-    TimedPose pose{stamps[trajectory.size()], Eigen::Isometry3d::Identity()};
     Eigen::Matrix3d R;
     R << n[0], n[1], n[2], n[4], n[5], n[6], n[8], n[9], n[10];
-    if ((R * R.transpose() - Eigen::Matrix3d::Identity()).norm() > 0.01 || R.determinant() < 0.0) {
-      throw InputError(where + ": the matrix is not a rotation; expected one");
-    }
-    check_order(trajectory, pose.stamp, where);
-    pose.T.linear() = nearest_rotation(R).toRotationMatrix();
-    pose.T.translation() << n[3], n[7], n[11];
-    trajectory.push_back(pose);
+    out.push_back(unknown_pose());
+    poses.read([&] { out.back() = checked_pose({n[3], n[7], n[11]}, R, where); });
   }
-  if (trajectory.size() < stamps.size()) {
-    throw InputError(path + ": holds " + std::to_string(trajectory.size()) +
-                     " poses; expected one for each of " + std::to_string(stamps.size()) +
-                     " frames");
-  }
-  return trajectory;
+  poses.finish(notes);
+  return out;
 }
 
 std::optional<Eigen::Isometry3d> pose_at(const Trajectory& trajectory, double stamp,
@@ -113,9 +152,9 @@ std::optional<Eigen::Isometry3d> pose_at(const Trajectory& trajectory, double st
   const auto after =
       std::lower_bound(trajectory.begin(), trajectory.end(), stamp,
                        [](const TimedPose& pose, double time) { return pose.stamp < time; });
-  if (after == trajectory.end()) return std::nullopt;
+  if (after == trajectory.end() || !is_known(after->T)) return std::nullopt;
   if (after->stamp == stamp) return after->T;
-  if (after == trajectory.begin()) return std::nullopt;
+  if (after == trajectory.begin() || !is_known((after - 1)->T)) return std::nullopt;
   const auto before = after - 1;
   const double gap = after->stamp - before->stamp;
   if (gap > max_gap) return std::nullopt;

@@ -270,7 +270,7 @@ void place_start(World& world, const BodySlice& slice, const std::optional<Pose>
         ": no place where the robot can stand (the map reaches up to z = " + number(top) +
         " m); expected free space for the body, of " + number(circumscribed_radius(slice.shape)) +
         " m around its origin, from z = " + number(slice.z_min) + " to " + number(slice.z_max) +
-        " m");
+        " m" + (world.if_no_room.empty() ? "" : "; " + world.if_no_room));
   }
   const HeadingMask there =
       headings[headings.frame.cell(world.start.position.x(), world.start.position.y())];

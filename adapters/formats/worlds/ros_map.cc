@@ -28,6 +28,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr int kUnknownOfMapSaver = 205;
 constexpr std::int64_t kMostMapPixels = 100'000'000;
 constexpr std::size_t kMostMapVoxels = 400'000'000;
 constexpr std::uintmax_t kLargestMap = std::uintmax_t{512} << 20;
@@ -290,7 +291,6 @@ struct Classes {
 };
 
 Classes ros_classes(const MapImage& image, double occupied, double free, bool negate) {
-  constexpr int kUnknownOfMapSaver = 205;
   Classes classes;
   for (int v = 0; v < 256; ++v) {
     const double p = (negate ? v : 255 - v) / 255.0;
@@ -432,7 +432,8 @@ World extrude(Plan fine, double resolution, const Eigen::Vector2d& origin, const
     std::replace(fine.cells.begin(), fine.cells.end(), CellState::kUnknown, CellState::kFree);
   }
   if (options.voxel_size > 0.0 && options.voxel_size < 0.99 * resolution) {
-    fail(path, "cells of " + text_of(resolution) + " m; expected a resolution of at least that");
+    fail(path, "cells of " + text_of(resolution) + " m; expected --resolution " +
+                   text_of(resolution) + " or more");
   }
   const double wanted = options.voxel_size > 0.0 ? options.voxel_size : options.resolution;
   // Written so that a ratio of thousands cannot overflow.
@@ -444,14 +445,19 @@ World extrude(Plan fine, double resolution, const Eigen::Vector2d& origin, const
   const double voxels =
       static_cast<double>(plan.cells.size()) * (std::max(1.0, layers_wanted) + 1.0);
   if (voxels > static_cast<double>(kMostMapVoxels)) {
+    const double coarser = std::ceil(std::cbrt(voxels / static_cast<double>(kMostMapVoxels)));
     fail(path, "a world of " + std::to_string(plan.width) + " x " + std::to_string(plan.height) +
-                   " cells at this wall height; expected at most " +
-                   std::to_string(kMostMapVoxels) + " voxels");
+                   " cells of " + text_of(r) + " m at this wall height; expected at most " +
+                   std::to_string(kMostMapVoxels) + " voxels: --resolution " +
+                   text_of(std::max(2.0, coarser) * r) + " makes fewer");
   }
   const int layers = std::max(1, static_cast<int>(layers_wanted));
   const Eigen::Vector2d corner = origin / r;
-  if (!(corner.cwiseAbs().maxCoeff() < 1e8)) {
-    fail(path, "an origin far outside; expected it within 1e8 cells");
+  if (!(corner.cwiseAbs().maxCoeff() < 1e9)) {
+    fail(path, "an origin " + text_of(origin.cwiseAbs().maxCoeff()) +
+                   " m away is more than 1e9 "
+                   "cells of " +
+                   text_of(r) + " m; expected a coarser --resolution");
   }
   const GridFrame frame{r, static_cast<int>(std::lround(corner.x())),
                         static_cast<int>(std::lround(corner.y())), plan.width, plan.height};
@@ -517,6 +523,24 @@ double checked_pixel_size(const std::string& path, WorldOptions& options) {
 }
 
 constexpr double kMostYaw = 8.0;  // [rad]: more is an angle in degrees
+// A northing of UTM reaches 1e7, a coordinate of Web Mercator 2.004e7 [m].
+constexpr double kFarthestOrigin = 2.1e7;
+
+/// Pixels between the thresholds, as Cartographer's map of probabilities has them within free
+/// space; not those that say by their value that nothing is known there. Empty if they are few.
+std::string between_thresholds(const MapImage& image, const Classes& classes) {
+  std::size_t between = 0, free = 0;
+  for (const std::int16_t v : image.pixels) {
+    if (v == MapImage::kTransparent || v == kUnknownOfMapSaver) continue;
+    const CellState state = classes.state[static_cast<std::size_t>(v)];
+    between += state == CellState::kUnknown;
+    free += state == CellState::kFree;
+  }
+  if (20 * between < free) return {};
+  return std::to_string(between) + " cells, beside " + std::to_string(free) +
+         " free ones, lie between free_thresh and occupied_thresh and are unknown: a higher "
+         "free_thresh in the .yaml, or --unknown free, makes them free";
+}
 
 }  // namespace
 
@@ -527,8 +551,8 @@ World world_from_ros_map(const std::string& path, const WorldOptions& options) {
   const std::string name = root.required_text("image", "file with the cells");
   const std::string where = root.where("image");
   const double resolution = root.required_number("resolution", 1e-3, 10.0, "m", "size of a pixel");
-  const std::vector<double> origin =
-      root.required_numbers("origin", 3, -1e6, 1e6, "", "x, y [m], yaw [rad] of the lower left");
+  const std::vector<double> origin = root.required_numbers(
+      "origin", 3, -kFarthestOrigin, kFarthestOrigin, "", "x, y [m], yaw [rad] of the lower left");
   const bool negate = root.loose_boolean("negate", false, "white is occupied");
   const double occupied = root.number("occupied_thresh", 0.65, 0.0, 1.0, "1", "occupied above");
   const double free = root.number("free_thresh", 0.196, 0.0, 1.0, "1", "free below");
@@ -549,8 +573,9 @@ World world_from_ros_map(const std::string& path, const WorldOptions& options) {
   yaml.finish();
   const std::string image_path = find_image(path, name, where, left_out);
   const MapImage image = read_image(image_path);
-  Plan plan = classify(image, mode == "raw" ? raw_classes(occupied, free)
-                                            : ros_classes(image, occupied, free, negate));
+  const Classes classes =
+      mode == "raw" ? raw_classes(occupied, free) : ros_classes(image, occupied, free, negate);
+  Plan plan = classify(image, classes);
   Eigen::Vector2d corner(origin[0], origin[1]);
   // Less than a hundredth of a cell at the far end is rounding.
   const double yaw = std::remainder(origin[2], 2.0 * std::numbers::pi);
@@ -559,6 +584,9 @@ World world_from_ros_map(const std::string& path, const WorldOptions& options) {
   }
   World world = extrude(std::move(plan), resolution, corner, path, options);
   world.left_out = std::move(left_out);
+  if (mode != "raw" && !options.unknown_is_free) {
+    world.if_no_room = between_thresholds(image, classes);
+  }
   return world;
 }
 

@@ -37,6 +37,9 @@ struct World {
   std::shared_ptr<const TexturedMesh> mesh = nullptr;
   /// What the source holds that is not in this world, for one line to the user.
   LeftOut left_out = {};
+  /// Where much of the source's space is unknown that may be free: how much, and which option or
+  /// key makes it free, for the line that says that the robot has no room. Empty if little is.
+  std::string if_no_room = {};
   /// Share of the source's ground (of an octree or mesh: surfaces with free space above, on all
   /// storeys, furniture included) that lies at z = 0; NaN of sources that have one floor only.
   double floor_share = std::numeric_limits<double>::quiet_NaN();

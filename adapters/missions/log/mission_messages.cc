@@ -218,7 +218,7 @@ void MissionMessages::step(const StepRecord& step) {
   const std::int64_t now = ns(step.stamp);
   ros::Odometry truth;
   truth.header = {stamp_at(now), kMapFrame};
-  truth.child_frame_id = "base_link_true";
+  truth.child_frame_id = kBody;  // what hangs on it by /tf_static hangs on its true pose, too
   truth.pose.pose = pose_of(step.true_pose);
   put_(kTruth, now, ros::to_cdr(truth));
   if (const auto change = map_.change(step.time, options_.resolution, step.map_changes)) {

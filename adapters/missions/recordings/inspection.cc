@@ -52,7 +52,7 @@ Json stream_json(const ImageStream& stream, std::vector<std::string>& missing) {
                {"longest_step_s", stream.size() > 1 ? Json(longest) : Json()}};
   if (stream.size() == 0) return json;
   try {
-    const RawImage first = stream.read(0);
+    const RawImage first = first_readable(stream);
     json["width"] = first.width;
     json["height"] = first.height;
     json["channels"] = first.channels;
@@ -417,8 +417,10 @@ Json inspect_path(const std::string& path, const StereoDatasetOptions& stereo,
     try {
       const BagFile bag = BagFile::open(path);
       for (const BagTopic& topic : bag.topics()) {
-        topics.push_back(
-            {{"name", topic.name}, {"type", topic.type}, {"messages", topic.messages.size()}});
+        topics.push_back({{"name", topic.name},
+                          {"type", topic.type},
+                          {"encoding", topic.encoding},
+                          {"messages", topic.messages.size()}});
       }
       json["mission"] = mission_json(bag);
     } catch (const InputError&) {
@@ -477,7 +479,9 @@ std::string inspection_text(const Json& inspection) {
   std::string text;
   for (const Json& topic : inspection.value("topics", Json::array())) {
     text += "topic        " + topic["name"].get<std::string>() + ", " + topic["messages"].dump() +
-            " of " + topic["type"].get<std::string>() + "\n";
+            " of " + topic["type"].get<std::string>() +
+            (topic["encoding"] == "cdr" ? "" : " in " + topic["encoding"].get<std::string>()) +
+            "\n";
   }
   for (const Json& recording : inspection["recordings"]) text += recording_text(recording);
   if (inspection.contains("mission") && !inspection["mission"].is_null()) {

@@ -5,8 +5,10 @@
 #include <limits>
 #include <map>
 #include <opencv2/core.hpp>
+#include <set>
 
 #include "adapters/formats/datasets/degrees.h"
+#include "adapters/formats/datasets/elements.h"
 #include "adapters/formats/files/csv.h"
 #include "adapters/formats/files/input_error.h"
 #include "adapters/missions/recordings/recording_pipeline.h"
@@ -173,6 +175,8 @@ MapRun run_mapping(const DepthDataset& dataset, const MapRunOptions& options, in
   if (n == 0) return run;
   GroundHypotheses ground(dataset.camera(), hypotheses_of(options, dataset.has_poses()));
   std::unique_ptr<FloorMap> map;
+  Elements images("images");
+  std::set<int> unreadable;
   int next_look = 0;  // when to see whether the floor has moved [frames]
   // All frames before the one at `until`, anew.
   const auto begin = [&](int until, const std::string& reason) {
@@ -182,6 +186,7 @@ MapRun run_mapping(const DepthDataset& dataset, const MapRunOptions& options, in
     map = std::make_unique<FloorMap>(dataset, options, first, taken);
     for (int k = first; k < until; ++k) {
       MapRunFrame& frame = run.frames[static_cast<std::size_t>(k - first)];
+      if (unreadable.contains(k)) continue;
       const double hypotheses = frame.hypotheses;
       frame = map->enter(k, dataset.read(k));
       frame.hypotheses = hypotheses;
@@ -204,7 +209,13 @@ MapRun run_mapping(const DepthDataset& dataset, const MapRunOptions& options, in
   };
   std::string why;
   for (int i = first; i < first + n; ++i) {
-    const DepthImage image = dataset.read(i);
+    DepthImage image;
+    if (!images.read([&] { image = dataset.read(i); })) {
+      unreadable.insert(i);
+      run.frames.push_back(left_out(dataset.stamp(i), images.why()));
+      if (progress) progress(i - first + 1, run.frames.back());
+      continue;
+    }
     ProcessorStopwatch watch;
     const GroundObservation look = ground.add(image, FloorMap::pose_of(dataset, i));
     const double hypotheses = watch.lap();
@@ -235,6 +246,7 @@ MapRun run_mapping(const DepthDataset& dataset, const MapRunOptions& options, in
     run.frames.push_back(frame);
     if (progress) progress(i - first + 1, frame);
   }
+  if (images.bad() > 0) run.notes.push_back(images.note());
   if (ground.settle()) {
     while (!run.ground.empty() && run.ground.back().frame == n - 1) run.ground.pop_back();
     record(ground.all(), n - 1, dataset.stamp(first + n - 1), run);
@@ -254,7 +266,10 @@ MapRun run_mapping(const DepthDataset& dataset, const MapRunOptions& options, in
     std::snprintf(text, sizeof text, "a plane %.2f m below the camera: ", h.height);
     run.no_ground = text + h.why;
   }
-  for (MapRunFrame& frame : run.frames) frame.mapped.reason = "no ground: " + run.no_ground;
+  for (std::size_t k = 0; k < run.frames.size(); ++k) {
+    if (unreadable.contains(first + static_cast<int>(k))) continue;
+    run.frames[k].mapped.reason = "no ground: " + run.no_ground;
+  }
   return run;
 }
 

@@ -73,8 +73,9 @@ struct MapRun {
   /// W from the recording's world: z up, floor at z = 0, origin below the first camera, which looks
   /// along +x. Identity without poses.
   Eigen::Isometry3d T_WD = Eigen::Isometry3d::Identity();
-  GroundPrior first;  ///< the ground taken, as the first camera would see it
-  BeliefMaps maps;    ///< null without poses or ground: nothing is mapped
+  GroundPrior first;               ///< the ground taken, as the first camera would see it
+  BeliefMaps maps;                 ///< null without poses or ground: nothing is mapped
+  std::vector<std::string> notes;  ///< images or scans that could not be read: left out, rejected
 };
 
 /// Maps a recording, from frame `first`, at most `max_frames` (0: all).

@@ -9,6 +9,7 @@
 #include <opencv2/core.hpp>
 #include <utility>
 
+#include "adapters/formats/datasets/elements.h"
 #include "adapters/formats/files/csv.h"
 #include "adapters/missions/recordings/recording_pipeline.h"
 #include "adapters/missions/recordings/recording_range.h"
@@ -29,9 +30,18 @@ OdometryRun run_odometry(const StereoDataset& dataset, const StereoOdometryOptio
   const StereoOdometry& odometry = *owned;
   PerceptionPipeline perception(std::move(owned), dataset.camera(), recording_options(start));
   OdometryConsistency consistency;
+  Elements pairs("pairs");
   for (int i = first; i < first + n; ++i) {
-    const StereoDataset::Pair pair = dataset.read(i);
     const double stamp = dataset.stamp(i);
+    StereoDataset::Pair pair;
+    if (!pairs.read([&] { pair = dataset.read(i); })) {
+      OdometryFrame left_out;
+      left_out.stamp = stamp;
+      left_out.reason = pairs.why();
+      left_out.T_WC = run.frames.empty() ? start : run.frames.back().T_WC;
+      run.frames.push_back(left_out);
+      continue;
+    }
     const InputResult result =
         perception.stereo({stamp, stamp, pair.left.view(), pair.right.view()});
     run.frames.push_back(perception.frame());
@@ -52,6 +62,8 @@ OdometryRun run_odometry(const StereoDataset& dataset, const StereoOdometryOptio
   }
   run.consistency = consistency.result();
   run.pairs = associate(run.trajectory, dataset.ground_truth());
+  run.pairs_w_first = associate(run.trajectory, dataset.ground_truth_w_first());
+  if (pairs.bad() > 0) run.notes.push_back(pairs.note());
   return run;
 }
 
@@ -121,6 +133,7 @@ OdometrySummary summarize(const OdometryRun& run) {
     s.end = end_error(run.pairs);
   }
   s.scale = scale_of(run.pairs);
+  s.truth_turns_wrong = quaternion_order_problem(run.pairs, run.pairs_w_first);
   s.rpe_1m = relative_error(run.pairs, 1.0);
   s.rpe_10m = relative_error(run.pairs, 10.0);
   for (RelativeError* e : {&s.rpe_1m, &s.rpe_10m}) {

@@ -21,7 +21,10 @@ struct OdometryRun {
   std::vector<OdometryFrame> frames;
   Trajectory trajectory;        ///< of frames that are not lost, from the first true pose if known
   std::vector<PosePair> pairs;  ///< with ground truth; empty: there is none
-  ConsistencyResult consistency;  ///< of the covariances, with ground truth
+  /// Likewise if w were first in the truth's quaternions; empty where their order is stated.
+  std::vector<PosePair> pairs_w_first;
+  ConsistencyResult consistency;   ///< of the covariances, with ground truth
+  std::vector<std::string> notes;  ///< pairs that could not be read: lost, with the reason
 };
 
 /// What there is to see after each frame of a run; valid during the call alone.
@@ -34,8 +37,8 @@ struct OdometryStep {
 };
 
 /// Runs the odometry over a recording, from frame `first`, at most `max_frames` (0: all).
-/// `observe`, if any, is called after each frame. One thread; the same recording gives the same
-/// poses.
+/// `observe`, if any, is called after each frame that can be read. One thread; the same recording
+/// gives the same poses.
 OdometryRun run_odometry(const StereoDataset& dataset, const StereoOdometryOptions& options = {},
                          int first = 0, int max_frames = 0,
                          const std::function<void(const OdometryStep&)>& observe = {});
@@ -64,6 +67,8 @@ struct OdometrySummary {
   /// and why that is too much, empty if it is not.
   double camera_time_offset = 0.0, camera_time_offset_sigma = 0.0;
   std::string out_of_step;
+  /// Not empty: why the ground truth's quaternions have w first, which is no truth as it was read.
+  std::string truth_turns_wrong;
   ConsistencyResult consistency;
 };
 OdometrySummary summarize(const OdometryRun& run);

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <limits>
 
+#include "adapters/formats/datasets/elements.h"
 #include "adapters/missions/recordings/recording_pipeline.h"
 #include "adapters/missions/recordings/recording_range.h"
 #include "engine/support/stopwatch.h"
@@ -63,12 +64,20 @@ MapRun run_scan_mapping(const ScanSource& source, const ScanPlacement& placement
   options_of_all.mapping = mapping.map;
   options_of_all.scan_mapping = mapping;
   PerceptionPipeline perception(options_of_all);
+  Elements scans("scans");
   for (int i = first; i < first + n; ++i) {
     const auto k = static_cast<std::size_t>(i);
     MapRunFrame frame;
     const double stamp = source.stamps[k];
-    frame.mapped = map_at(perception, stamp, run.T_WD * source.poses[k],
-                          [&] { return perception.scan(stamp, source.read(k)); });
+    DepthScan scan;
+    if (scans.read([&] { scan = source.read(k); })) {
+      frame.mapped = map_at(perception, stamp, run.T_WD * source.poses[k],
+                            [&] { return perception.scan(stamp, scan); });
+    } else {
+      frame.mapped.stamp = stamp;
+      frame.mapped.state = Mapping::kRejected;
+      frame.mapped.reason = scans.why();
+    }
     frame.height_error = std::numeric_limits<double>::quiet_NaN();
     ProcessorStopwatch watch;
     run.maps = perception.map().snapshot();
@@ -76,6 +85,7 @@ MapRun run_scan_mapping(const ScanSource& source, const ScanPlacement& placement
     run.frames.push_back(frame);
     if (progress) progress(i - first + 1, frame);
   }
+  if (scans.bad() > 0) run.notes.push_back(scans.note());
   return run;
 }
 

@@ -3,15 +3,38 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <utility>
 
+#include "adapters/formats/datasets/degrees.h"
 #include "perception/odometry/median.h"
 
 namespace prospect {
 namespace {
 
 double rotation_angle(const Eigen::Isometry3d& T) { return Eigen::AngleAxisd(T.linear()).angle(); }
+
+/// Of the estimated turns since the first pair: how far off the true ones they are, in the median,
+/// and how large [rad]; of pairs that have turned.
+struct TurnError {
+  double error = 0.0, turn = 0.0;
+  int count = 0;
+};
+TurnError turn_error(const std::vector<PosePair>& pairs) {
+  constexpr double kTurned = 0.035;  // [rad]
+  std::vector<double> errors, turns;
+  for (const PosePair& p : pairs) {
+    const Eigen::Isometry3d estimated = pairs[0].estimate.inverse() * p.estimate;
+    const double turn = rotation_angle(estimated);
+    if (turn < kTurned) continue;
+    errors.push_back(rotation_angle(estimated.inverse() * pairs[0].truth.inverse() * p.truth));
+    turns.push_back(turn);
+  }
+  if (errors.empty()) return {};
+  const int count = static_cast<int>(errors.size());
+  return {median(errors), median(turns), count};
+}
 
 }  // namespace
 
@@ -23,6 +46,22 @@ std::vector<PosePair> associate(const Trajectory& estimate, const Trajectory& tr
     if (T) pairs.push_back({e.stamp, e.T, *T});
   }
   return pairs;
+}
+
+std::string quaternion_order_problem(const std::vector<PosePair>& pairs,
+                                     const std::vector<PosePair>& w_first) {
+  const TurnError read = turn_error(pairs), again = turn_error(w_first);
+  if (again.count < 3 || read.error < 0.25 * read.turn || again.error > 0.25 * again.turn ||
+      again.error > 0.5 * read.error) {
+    return {};
+  }
+  char text[200];
+  std::snprintf(
+      text, sizeof text,
+      "the ground truth's turns are off the estimated ones by %.2f deg in the median, and "
+      "by %.2f deg if its quaternions have w first; expected stamp tx ty tz qx qy qz qw",
+      kDegrees * read.error, kDegrees * again.error);
+  return text;
 }
 
 double path_length(const std::vector<PosePair>& pairs) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "adapters/formats/datasets/trajectory.h"
@@ -52,6 +53,14 @@ struct RelativeError {
   double rotation = 0.0;     ///< angle of E over it [rad/m]
 };
 RelativeError relative_error(const std::vector<PosePair>& pairs, double length);
+
+/// Whether the true poses' quaternions were read in the wrong order: over the motion from the first
+/// pair to each that by its estimate has turned by 2 deg or more, the angle between the estimated
+/// turn and the true one, in the median, as read and with w first. In words, if the second is below
+/// half the first and below a quarter of the turns, and the first above; empty if not, or if fewer
+/// than three have turned.
+std::string quaternion_order_problem(const std::vector<PosePair>& pairs,
+                                     const std::vector<PosePair>& w_first);
 
 /// Whether estimate and truth agree about the metre (scale_agreement.h): over consecutive segments
 /// of a twentieth of the true path each, but at least 0.1 m, the ratio of the straight lines

@@ -397,7 +397,7 @@ int map(const MapArguments& arguments) {
                   range, farthest, kMostVoxels, resolution);
     throw InputError(line);
   }
-  const MapInput input =
+  MapInput input =
       scans ? scan_input(arguments, perception) : depth_input(arguments, perception, stereo);
   std::optional<OutputFolder> out;
   if (!arguments.out.empty()) {
@@ -415,6 +415,7 @@ int map(const MapArguments& arguments) {
                   std::string(to_string(frame.mapped.state)));
   });
   progress.finish();
+  input.notes.insert(input.notes.end(), run.notes.begin(), run.notes.end());
   const MapSummary summary = summarize(run);
   const auto json = as_json(arguments, resolution, input, run, summary);
   std::string written;

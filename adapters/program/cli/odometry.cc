@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "adapters/formats/datasets/degrees.h"
 #include "adapters/formats/datasets/stereo_dataset.h"
@@ -39,10 +40,10 @@ struct OdometryArguments {
 };
 
 nlohmann::ordered_json as_json(const std::string& name, const StereoDataset& dataset,
-                               const OdometrySummary& s) {
+                               const std::vector<std::string>& notes, const OdometrySummary& s) {
   return {{"dataset", name},
           {"layout", dataset.layout()},
-          {"notes", dataset.notes()},
+          {"notes", notes},
           {"frames", s.frames},
           {"ok", s.ok},
           {"degraded", s.degraded},
@@ -175,7 +176,9 @@ int odometry(const OdometryArguments& arguments) {
       });
   progress.finish();
   const OdometrySummary summary = summarize(run);
-  auto json = as_json(arguments.dataset, dataset, summary);
+  std::vector<std::string> notes = dataset.notes();
+  notes.insert(notes.end(), run.notes.begin(), run.notes.end());
+  auto json = as_json(arguments.dataset, dataset, notes, summary);
   std::optional<OdometryCalibrationResult> calibrated;
   if (calibration) {
     calibrated = calibration->result();
@@ -203,10 +206,14 @@ int odometry(const OdometryArguments& arguments) {
   } else {
     std::printf("%s, %d pairs of %.0f x %.0f px\n", dataset.layout().c_str(), dataset.size(),
                 dataset.camera().left.width, dataset.camera().left.height);
-    for (const std::string& note : dataset.notes()) std::printf("note         %s\n", note.c_str());
+    for (const std::string& note : notes) std::printf("note         %s\n", note.c_str());
     print(summary, !dataset.ground_truth().empty());
     if (calibrated) std::fputs(calibration_text(*calibrated).c_str(), stdout);
     if (out) std::printf("written to   %s\n", out->path().c_str());
+  }
+  if (!summary.truth_turns_wrong.empty()) {
+    std::cerr << "prospect: " << arguments.dataset << ": " << summary.truth_turns_wrong << '\n';
+    return kBadInput;
   }
   if (summary.scale.verdict == ScaleAgreement::Verdict::kDisagree) {
     std::cerr << "prospect: " << arguments.dataset << ": "

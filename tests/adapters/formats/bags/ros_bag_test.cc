@@ -6,6 +6,8 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <functional>
+#include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -248,6 +250,129 @@ TEST_F(RosBag, DamagedAndUnfinishedFiles) {
   messages[1].bytes.resize(200);
   EXPECT_THAT(refusal(write("a.mcap", test::mcap_of(messages, 3, "", plain, checksum))),
               HasSubstr("/stereo/left/image_raw message 0: the message ends early"));
+}
+
+#ifdef PROSPECT_WITH_ZSTD
+std::string zstd_of(const std::string& from) {
+  std::string to(ZSTD_compressBound(from.size()), '\0');
+  to.resize(ZSTD_compress(to.data(), to.size(), from.data(), from.size(), 1));
+  return to;
+}
+
+TEST_F(RosBag, FilesThatAreCompressedAsAWhole) {
+#ifdef PROSPECT_WITH_LZ4
+  const auto lz4 = [](const std::string& from) {
+    std::string to(LZ4F_compressFrameBound(from.size(), nullptr), '\0');
+    to.resize(LZ4F_compressFrame(to.data(), to.size(), from.data(), from.size(), nullptr));
+    return to;
+  };
+  const std::string inside = test::mcap_of(stereo_messages(), 5, "lz4", lz4, checksum);
+  follow(write("a.mcap.lz4", lz4(inside)));
+  fs::remove(folder_ + "/a.mcap.lz4");
+#else
+  const std::string inside = test::mcap_of(stereo_messages(), 5, "", plain, checksum);
+#endif
+  // In two frames, as pzstd writes them.
+  const std::size_t half = inside.size() / 2;
+  const std::string packed = zstd_of(inside.substr(0, half)) + zstd_of(inside.substr(half));
+  follow(write("a_0.mcap.zstd", packed));
+  follow(folder_);
+  write("a_0.mcap", inside);  // the same once more is not read twice
+  follow(folder_);
+  fs::remove(folder_ + "/a_0.mcap");
+  for (const std::size_t size :
+       {std::size_t{0}, std::size_t{3}, packed.size() / 3, packed.size() - 1}) {
+    EXPECT_THAT(refusal(write("a_0.mcap.zstd", packed.substr(0, size))),
+                HasSubstr("a_0.mcap.zstd: cannot be decompressed; expected an intact file"));
+  }
+  EXPECT_THAT(refusal(write("b.db3.xz", packed)),
+              HasSubstr("b.db3.xz: compressed as a whole by xz; expected .zstd, .lz4 or"));
+}
+
+TEST_F(RosBag, MessagesThatAreCompressedEach) {
+  std::vector<BagMessage> messages = stereo_messages();
+  for (BagMessage& m : messages) m.bytes = zstd_of(m.bytes);
+  follow(write("a.mcap", test::mcap_of(messages, 3, "", plain, checksum)));
+  messages[1].bytes.resize(messages[1].bytes.size() / 2);
+  EXPECT_THAT(
+      StereoDataset::open(write("a.mcap", test::mcap_of(messages, 3, "", plain, checksum))).notes(),
+      Contains(HasSubstr("1 of 4 images of /stereo/left/image_raw left out: "
+                         "/stereo/left/image_raw message 0: cannot be decompressed")));
+}
+#endif
+
+TEST_F(RosBag, OneBadMessageIsLeftOutAndCounted) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const auto with_bad = [&](const std::string& topic, int which,
+                            const std::function<void(BagMessage&)>& spoil) {
+    std::vector<BagMessage> messages = stereo_messages();
+    int n = 0;
+    for (BagMessage& m : messages) {
+      if (m.topic == topic && n++ == which) spoil(m);
+    }
+    return write("a.mcap", test::mcap_of(messages, 7, "", plain, checksum));
+  };
+  StereoDatasetOptions options;
+  options.topics["truth"] = "/odom";
+  const auto notes_of = [&](const std::string& path) {
+    const StereoDataset dataset = StereoDataset::open(path, options);
+    EXPECT_EQ(dataset.size(), kFrames);
+    return dataset.notes();
+  };
+  EXPECT_THAT(notes_of(with_bad(
+                  "/stereo/left/camera_info", 2,
+                  [&](BagMessage& m) { m.bytes = info_message(kStart, 0.0, nan, 320, 240); })),
+              Contains(HasSubstr("1 of 4 calibrations of /stereo/left/camera_info left out: "
+                                 "/stereo/left/camera_info message 2: ")));
+  for (const bool first : {false, true}) {
+    for (const double bad : {nan, 0.0}) {
+      const std::string path = with_bad("/odom", first ? 0 : 2, [&](BagMessage& m) {
+        CdrWriter odometry;
+        odometry.header(kStart + (first ? 0 : 200'000'000LL), "odom").text("base_link");
+        odometry.doubles(std::vector<double>(7, bad)).doubles(std::vector<double>(78, 0.0));
+        m.bytes = odometry.str();
+      });
+      EXPECT_THAT(notes_of(path), Contains(HasSubstr("1 of 4 poses of /odom left out: ")));
+      EXPECT_EQ(StereoDataset::open(path, options).ground_truth().size(), 3u);
+    }
+  }
+  const std::string tf = with_bad("/odom", 3, [&](BagMessage& m) {
+    m = {"/tf", "tf2_msgs/msg/TFMessage", m.time,
+         CdrWriter()
+             .number(std::uint32_t{1})
+             .header(m.time, "map")
+             .text("base_link")
+             .doubles(std::vector<double>(7, nan))
+             .str()};
+  });
+  EXPECT_THAT(notes_of(tf), Contains(HasSubstr("1 of 2 transforms of TF left out: /tf message 0")));
+  // Of images the pair: it is lost, with the reason.
+  const OdometryRun run = run_odometry(StereoDataset::open(
+      with_bad("/stereo/right/image_raw", 1, [](BagMessage& m) { m.bytes.resize(200); })));
+  EXPECT_EQ(summarize(run).ok, kFrames - 1);
+  EXPECT_THAT(run.notes,
+              Contains(HasSubstr("/stereo/right/image_raw message 1: the message ends")));
+}
+
+TEST_F(RosBag, MessagesInOtherEncodingsAreNamed) {
+  std::string bytes = test::mcap_of(stereo_messages(), 0, "", plain, checksum);
+  const std::string cdr = test::mcap_text("cdr"), other = test::mcap_text("pb3");
+  // One topic: it is not taken for what its type says.
+  const std::size_t left = bytes.find(cdr, bytes.find(test::mcap_text("/stereo/left/image_raw")));
+  bytes.replace(left, cdr.size(), other);
+  StereoDatasetOptions options;
+  options.topics = {{"left", "/stereo/left/image_raw"}, {"right", "/stereo/right/image_raw"}};
+  EXPECT_THAT(refusal(write("a.mcap", bytes), options),
+              HasSubstr("is of type sensor_msgs/msg/Image in pb3, not cdr as of ROS 2"));
+  EXPECT_THAT(refusal(folder_), HasSubstr("/stereo/left/image_raw (sensor_msgs/msg/Image in pb3"));
+  for (std::size_t at = 0; (at = bytes.find(cdr, at)) != std::string::npos;) {
+    bytes.replace(at, cdr.size(), other);
+  }
+  EXPECT_THAT(refusal(write("a.mcap", bytes)), HasSubstr("no message is in cdr"));
+  Found found = Found::kUsable;
+  const auto json = inspect_path(folder_, {}, {}, found);
+  EXPECT_EQ(found, Found::kIncomplete);
+  EXPECT_THAT(inspection_text(json), HasSubstr("of sensor_msgs/msg/Image in pb3"));
 }
 
 TEST_F(RosBag, ACalibrationThatChangesOnTheWayIsRefused) {

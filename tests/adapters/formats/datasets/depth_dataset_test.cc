@@ -9,6 +9,7 @@
 #include <fstream>
 #include <functional>
 #include <opencv2/core.hpp>
+#include <sstream>
 #include <string>
 
 #include "adapters/formats/files/input_error.h"
@@ -174,9 +175,9 @@ TEST_F(DepthDatasetTest, SaysWhatIsMissingOrMalformed) {
               HasSubstr("not of the form"));
   EXPECT_THAT(damaged("camera-intrinsics.txt", "262 0 900\n0 262 120\n0 0 1\n"),
               HasSubstr("the principal point is (900, 120)"));
-  EXPECT_THAT(damaged("frame-000003.pose.txt", "1 0 0 0\n0 1 0 0\n0 0 nan 0\n0 0 0 1\n"),
+  EXPECT_THAT(damaged("frame-000003.pose.txt", "1 0 0 0\n0 1 0 0\n0 0 x 0\n0 0 0 1\n"),
               HasSubstr("frame-000003.pose.txt:3: "));
-  EXPECT_THAT(damaged("frame-000003.pose.txt", "1 0 0 0\n0 1 0 0\n0 0 -1 0\n0 0 0 1\n"),
+  EXPECT_THAT(damaged("frame-000003.pose.txt", "1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 2\n"),
               HasSubstr("not a rotation"));
   EXPECT_THAT(damaged("frame-000003.pose.txt", "1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n5\n"),
               HasSubstr("frame-000003.pose.txt:5: "));
@@ -237,6 +238,28 @@ TEST_F(DepthDatasetTest, DepthScaleByThePoses) {
   EXPECT_FALSE(DepthDataset::open(folder_, options).depth_scale_doubtful());
 }
 
+TEST_F(DepthDatasetTest, QuaternionsWithWFirst) {
+  recording_.frames = 8;
+  recording_.write_tum(folder_);
+  std::ifstream in(folder_ + "/groundtruth.txt");
+  std::string swapped;
+  for (std::string line; std::getline(in, line);) {
+    if (line.empty() || line[0] == '#') continue;
+    std::istringstream words(line);
+    std::string word[8];
+    for (std::string& one : word) words >> one;
+    for (const int n : {0, 1, 2, 3, 7, 4, 5, 6}) swapped += word[n] + " ";
+    swapped += "\n";
+  }
+  in.close();
+  write("groundtruth.txt", swapped);
+  const DepthDataset dataset = DepthDataset::open(folder_);
+  EXPECT_EQ(dataset.depth_scale(), 5000.0);
+  EXPECT_FALSE(dataset.depth_scale_doubtful());
+  EXPECT_THAT(dataset.notes().back(), HasSubstr("the poses' quaternions have w first"));
+  expect_good(dataset, recording_, 0.0002);
+}
+
 TEST_F(DepthDatasetTest, DepthScaleByTheHeightOrUnchecked) {
   recording_.write_tum(folder_);
   for (int k = 0; k < recording_.frames; ++k) {
@@ -278,7 +301,9 @@ TEST_F(DepthDatasetTest, FramesWithoutAFinitePoseAreLeftOut) {
   const std::string inf = "-inf -inf -inf -inf\n";
   const std::string nan = "nan nan nan nan\n";
   for (const std::string& pose :
-       {inf + inf + inf + inf, inf + inf + inf + "0 0 0 1\n", nan + nan + nan + nan}) {
+       {inf + inf + inf + inf, inf + inf + inf + "0 0 0 1\n", nan + nan + nan + nan,
+        std::string("1 0 0 0\n0 1 0 0\n0 0 -1 0\n0 0 0 1\n"),
+        std::string("1 0 0 0\n0 1 0 nan\n0 0 1 0\n0 0 0 1\n")}) {
     recording_.write_seven_scenes(folder_);
     write("frame-000003.pose.txt", pose);
     const DepthDataset dataset = DepthDataset::open(folder_);

@@ -195,7 +195,7 @@ TEST_F(StereoRecording, SaysWhatIsMissingOrMalformed) {
   fs::remove(folder_ + "/times.txt");
   EXPECT_TRUE(StereoDataset::open(folder_).times_assumed());
   write("poses.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n");
-  EXPECT_THAT(refusal(), HasSubstr("holds 1 poses"));
+  EXPECT_THAT(refusal(), HasSubstr("poses.txt: holds 1 lines for "));
   fs::remove(folder_ + "/poses.txt");
   EXPECT_TRUE(StereoDataset::open(folder_).ground_truth().empty());
   fs::remove(folder_ + "/image_1/000003.png");

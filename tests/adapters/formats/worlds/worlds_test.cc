@@ -496,6 +496,45 @@ TEST_F(Worlds, RosYamlInAnySpelling) {
   }
 }
 
+TEST_F(Worlds, RosMapsWithOriginsInUtm) {
+  write("map.pgm", pgm(60, 50, room_pixels(60, 50)));
+  const World world = load_world(
+      write("m.yaml", "image: map.pgm\nresolution: 0.05\norigin: [448262.75, 5411932.25, 0]\n"));
+  const GridFrame& frame = world.voxels.frame();
+  EXPECT_NEAR(frame.j0 * frame.resolution, 5411932.25, 0.06);
+  EXPECT_THAT(refusal(write("m.yaml", "image: map.pgm\nresolution: 0.05\norigin: [0, 1e8, 0]\n")),
+              HasSubstr("m.yaml:3: origin"));
+}
+
+// As Cartographer writes probabilities: free space has greys on both sides of free_thresh.
+TEST_F(Worlds, RosMapOfProbabilitiesNamesTheOptionThatHelps) {
+  std::string pixels = room_pixels(60, 50);
+  for (std::size_t n = 0; n < pixels.size(); n += 3) {
+    if (static_cast<unsigned char>(pixels[n]) > 250) pixels[n] = static_cast<char>(196);
+  }
+  write("map.pgm", pgm(60, 50, pixels));
+  const std::string yaml =
+      std::string("image: map.pgm\nresolution: 0.05\norigin: [0, 0, 0]\n") + kThresholds;
+  const std::string path = write("m.yaml", yaml);
+  EXPECT_THAT(refusal(path), HasSubstr("no place where the robot can stand"));
+  EXPECT_THAT(refusal(path), HasSubstr("a higher free_thresh in the .yaml, or --unknown free"));
+  WorldOptions options;
+  options.unknown_is_free = true;
+  expect_sound(load_world(path, options));
+  expect_sound(load_world(
+      write("n.yaml", "image: map.pgm\nresolution: 0.05\norigin: [0, 0, 0]\nfree_thresh: 0.3\n")));
+}
+
+TEST_F(Worlds, RosMapThatIsTooLargeNamesTheResolutionThatHelps) {
+  write("map.pgm", pgm(1000, 100, room_pixels(1000, 100)));
+  const std::string path = write("m.yaml", "image: map.pgm\nresolution: 0.1\norigin: [0, 0, 0]\n");
+  WorldOptions options;
+  options.wall_height = 500.0;
+  EXPECT_THAT(refusal(path, options), HasSubstr("--resolution 0.2 makes fewer"));
+  options.voxel_size = 0.2;  // --resolution
+  EXPECT_EQ(load_world(path, options).voxels.resolution(), 0.2);
+}
+
 TEST_F(Worlds, RosYamlWithoutItsImageIsAMapAllTheSame) {
   for (const char* rest : {"occupied_thresh: 0.65\n", "free_thresh: 0.2\n", ""}) {
     const std::string text = std::string("resolution: 0.1\norigin: [0, 0, 0]\n") + rest;

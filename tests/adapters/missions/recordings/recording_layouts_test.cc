@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 #include <sstream>
@@ -274,12 +275,149 @@ TEST_F(Recording, KittiRaw) {
   folder_ = root;
   write("2011_09_26/calib_cam_to_cam.txt", calibration("1392 512", "1242 375"));
   folder_ = root + "/2011_09_26/drive_sync";
-  EXPECT_THAT(refusal(), HasSubstr("expected the calibration of the same day"));
+  EXPECT_THAT(refusal(), HasSubstr("expected the calibration of these cameras"));
   fs::remove(root + "/2011_09_26/calib_cam_to_cam.txt");
   EXPECT_THAT(refusal(), HasSubstr("calib_cam_to_cam.txt is neither there nor"));
   std::ofstream(folder_ + "/image_01/timestamps.txt") << "yesterday\n";
   EXPECT_THAT(refusal(), HasSubstr("timestamps.txt:1: not a time"));
   folder_ = root;
+}
+
+TEST_F(Recording, Kitti360) {
+  const std::string root = folder_;
+  const std::string drive = "data_2d_raw/2013_05_28_drive_0000_sync";
+  images(drive + "/image_00/data_rect", drive + "/image_01/data_rect", ".png", grey);
+  fs::create_directories(root + "/" + drive + "/image_02/data_rgb");
+  // Of the size of the cameras' own images, too.
+  write("calibration/perspective.txt",
+        "S_00: 320 240\nK_00: 200 0 160 0 200 120 0 0 1\nD_00: 1 0 0 0 0\n"
+        "R_00: 1 0 0 0 1 0 0 0 1\nT_00: 0 0 0\nS_rect_00: 320 240\n"
+        "P_rect_00: 240 0 160 0 0 240 120 0 0 0 1 0\n"
+        "S_01: 320 240\nK_01: 200 0 160 0 200 120 0 0 1\nD_01: 1 0 0 0 0\n"
+        "R_01: 1 0 0 0 1 0 0 0 1\nT_01: -0.1 0 0\nS_rect_01: 320 240\n"
+        "P_rect_01: 240 0 160 -28.8 0 240 120 0 0 0 1 0\n");
+  folder_ = root + "/" + drive;
+  EXPECT_EQ(follow().layout(), "KITTI-360");
+  StereoDatasetOptions options;
+  options.calibration = root + "/calibration/perspective.txt";
+  follow(options);
+  fs::remove_all(folder_ + "/image_00");
+  EXPECT_THAT(refusal(), HasSubstr("the fisheye cameras of KITTI-360"));
+  options.calibration = root + "/image_02.yaml";
+  std::ofstream(options.calibration) << "%YAML:1.0\n---\nmodel_type: MEI\ncamera_name: c\n";
+  folder_ = root;
+  images("left", "right", ".png", grey);
+  EXPECT_THAT(refusal(options), HasSubstr("by the model MEI, which is not supported"));
+}
+
+// ---- Numbers of images -----------------------------------------------------------------------
+
+TEST_F(Recording, NumbersBeginAnywhereAndStep) {
+  struct Numbers {
+    int first, step, before, after;  // lines of times.txt before and after those of the images
+  };
+  for (const auto& [first, step, before, after] :
+       {Numbers{1, 1, 0, 0}, Numbers{100, 5, 0, 0}, Numbers{1700, 33, 0, 0}, Numbers{3, 1, 3, 0},
+        Numbers{7, 1, 0, 2}}) {
+    SCOPED_TRACE(std::to_string(first) + " by " + std::to_string(step));
+    fs::remove_all(folder_);
+    std::string times;
+    for (int k = -before; k < kFrames + after; ++k) times += std::to_string(9.0 + 0.1 * k) + "\n";
+    Trajectory truth;
+    for (int k = -before; k < kFrames + after; ++k) truth.push_back({0.0, pose(k)});
+    for (int k = 0; k < kFrames; ++k) {
+      const std::string name = "/img" + std::to_string(first + step * k) + ".png";
+      image("image_0" + name, grey(pairs()[k].left));
+      image("image_1" + name, grey(pairs()[k].right));
+    }
+    write("calib.txt",
+          "P0: 240 0 160 0 0 240 120 0 0 0 1 0\nP1: 240 0 160 -28.8 0 240 120 0 0 0 1 0\n");
+    write("times.txt", times);
+    write("poses.txt", kitti_text(truth));
+    const StereoDataset dataset = StereoDataset::open(folder_);
+    ASSERT_EQ(dataset.size(), kFrames);
+    EXPECT_NEAR(dataset.stamp(0), 9.0, 1e-6);
+    EXPECT_NEAR(dataset.stamp(4), 9.4, 1e-6);
+    ASSERT_EQ(dataset.ground_truth().size(), static_cast<std::size_t>(kFrames));
+    EXPECT_LT((dataset.ground_truth()[2].T.matrix() - pose(2).matrix()).norm(), 1e-6);
+    EXPECT_EQ(dataset.notes().empty(), before > 0);  // by number from 0 is KITTI's rule
+  }
+  write("times.txt", "9.0\n9.1\n");
+  EXPECT_THAT(refusal(), HasSubstr("holds 2 lines for 5 images, numbered 7 to 11"));
+}
+
+// ---- What is bad is left out -----------------------------------------------------------------
+
+TEST_F(Recording, ABadImageIsLeftOutAndCounted) {
+  kitti();
+  for (const char* name : {"image_0/000000.png", "image_1/000002.png"}) {
+    fs::remove_all(folder_);
+    kitti();
+    fs::resize_file(folder_ + "/" + name, 900);
+    const OdometryRun run = run_odometry(StereoDataset::open(folder_));
+    const OdometrySummary s = summarize(run);
+    EXPECT_EQ(s.ok, kFrames - 1) << name;
+    EXPECT_THAT(s.lost_reason, HasSubstr(std::string(name) + ": truncated"));
+    ASSERT_EQ(run.notes.size(), 1u);
+    EXPECT_THAT(run.notes[0], HasSubstr("1 of 5 pairs left out: "));
+  }
+  for (int k = 0; k < kFrames; ++k) fs::resize_file(folder_ + "/image_1/" + six(k) + ".png", 900);
+  EXPECT_THAT(refusal(), HasSubstr("image_1/000000.png: truncated"));
+}
+
+TEST_F(Recording, OrientationOfImages) {
+  write("calib.txt",
+        "P0: 240 0 160 0 0 240 120 0 0 0 1 0\nP1: 240 0 160 -28.8 0 240 120 0 0 0 1 0\n");
+  const auto exif = [](int orientation, bool little) {
+    const std::string n = little ? std::string("\1\0\0\0", 4) : std::string("\0\0\0\1", 4);
+    const char o = static_cast<char>(orientation);
+    return little ? std::string("II*\0\10\0\0\0\1\0\x12\1\3\0", 14) + n + o + std::string(7, '\0')
+                  : std::string("MM\0*\0\0\0\10\0\1\1\x12\0\3", 14) + n + std::string(1, '\0') + o +
+                        std::string(6, '\0');
+  };
+  images("image_0", "image_1", ".jpg", grey);
+  for (const bool little : {false, true}) {
+    for (const int orientation : {1, 3, 6}) {
+      for (int k = 0; k < kFrames; ++k) {
+        image("image_0/" + six(k) + ".jpg", grey(pairs()[k].left));
+        const std::string path = folder_ + "/image_0/" + six(k) + ".jpg";
+        std::ifstream in(path, std::ios::binary);
+        std::string bytes((std::istreambuf_iterator<char>(in)), {});
+        const std::string block = std::string("Exif\0\0", 6) + exif(orientation, little);
+        const std::size_t size = block.size() + 2;
+        bytes.insert(2, std::string("\xff\xe1") + static_cast<char>(size >> 8) +
+                            static_cast<char>(size & 255) + block);
+        std::ofstream(path, std::ios::binary) << bytes;
+      }
+      EXPECT_THAT(refusal(), HasSubstr(orientation == 1 ? std::string("accepted")
+                                                        : "000000.jpg: its orientation (Exif) is " +
+                                                              std::to_string(orientation)));
+    }
+  }
+}
+
+TEST_F(Recording, TruthWithWFirst) {
+  images("left", "right", ".png", grey);
+  write("calib.txt",
+        "P0: 240 0 160 0 0 240 120 0 0 0 1 0\nP1: 240 0 160 -28.8 0 240 120 0 0 0 1 0\n");
+  for (const bool w_first : {false, true}) {
+    std::string text;
+    for (int k = 0; k < kFrames; ++k) {
+      const Eigen::Quaterniond q(pose(k).linear());
+      const Eigen::Vector3d t = pose(k).translation();
+      std::ostringstream line;
+      line.precision(12);
+      line << 0.1 * k << " " << t.transpose() << " ";
+      if (w_first) line << q.w() << " ";
+      line << q.vec().transpose();
+      if (!w_first) line << " " << q.w();
+      text += line.str() + "\n";
+    }
+    write("groundtruth.txt", text);
+    const OdometrySummary s = summarize(run_odometry(StereoDataset::open(folder_)));
+    EXPECT_EQ(s.truth_turns_wrong.find("have w first") != std::string::npos, w_first)
+        << s.truth_turns_wrong;
+  }
 }
 
 // ---- EuRoC -----------------------------------------------------------------------------------
@@ -450,6 +588,57 @@ TEST_F(Recording, FoldersWithCameraInfo) {
   write("left/camera_info.yaml", camera_info("0"));
   write("right/camera_info.yaml", camera_info("-28.8"));
   EXPECT_THAT(follow().notes(), Contains(HasSubstr("calibration from")));
+}
+
+TEST_F(Recording, PWithTheOtherSign) {
+  images("left", "right", ".png", grey);
+  StereoDatasetOptions options;
+  options.calibration =
+      write("a.yaml", camera_info("0")) + "," + write("b.yaml", camera_info("28.8"));
+  for (const bool rectified : {false, true}) {
+    options.rectified = rectified;
+    EXPECT_THAT(follow(options).notes(), Contains(HasSubstr("as the images say")));
+  }
+  // Of a camera that is to the left the images say so.
+  fs::rename(folder_ + "/left", folder_ + "/other");
+  fs::rename(folder_ + "/right", folder_ + "/left");
+  fs::rename(folder_ + "/other", folder_ + "/right");
+  EXPECT_THAT(refusal(options), HasSubstr("left and right look exchanged"));
+  images("left", "right", ".png", [](const Image&) { return cv::Mat(240, 320, CV_8U, 90); });
+  EXPECT_THAT(refusal(options), HasSubstr("too little texture to say on which side"));
+  options.calibration = folder_ + "/b.yaml," + folder_ + "/b.yaml";
+  EXPECT_THAT(refusal(options), HasSubstr("P has the same fourth number, 28.8"));
+}
+
+TEST_F(Recording, CalibrationOfAZed) {
+  std::string conf;
+  for (const char* resolution : {"HD", "VGA"}) {
+    for (const std::string side : {"LEFT", "RIGHT"}) {
+      conf += "[" + side + "_CAM_" + resolution + "]\nfx=" + (side == "LEFT" ? "350" : "351") +
+              "\nfy=352\ncx=336.5\ncy=188.25\nk1=-0.1\nk2 = 0.02\np1=0.003\np2=-0.004\nk3=0.5\n";
+    }
+  }
+  conf +=
+      "[STEREO]\nBaseline=120\nTY_VGA=0.3\nTZ_VGA=-0.5\nTY=9\nTZ=9\nCV_VGA=0.02\nRX_VGA=0.01\n"
+      "RZ_VGA=0\nCV_HD=0\n";
+  const StereoCalibration all = read_stereo_calibration(write("SN1.conf", conf));
+  const StereoCalibration vga = of_size(all, 672, 376);
+  EXPECT_FALSE(vga.rectified);
+  EXPECT_EQ(vga.right.pinhole.fx, 351.0);
+  EXPECT_EQ(vga.left.distortion[3], -0.004);
+  EXPECT_EQ(vga.left.distortion[4], 0.5);
+  // x_right = R x_left - (Baseline, TY, TZ).
+  const Eigen::Isometry3d T_RL = vga.right.T_BC.inverse();
+  EXPECT_LT((T_RL.translation() - Eigen::Vector3d(-0.12, -0.0003, 0.0005)).norm(), 1e-12);
+  const Eigen::AngleAxisd turn(T_RL.linear());
+  EXPECT_LT((turn.angle() * turn.axis() - Eigen::Vector3d(0.01, 0.02, 0.0)).norm(), 1e-9);
+  EXPECT_EQ(of_size(all, 1280, 720).left.pinhole.width, 1280.0);
+  images("left", "right", ".png", grey);
+  StereoDatasetOptions options;
+  options.calibration = folder_ + "/SN1.conf";
+  EXPECT_THAT(refusal(options), HasSubstr("is for images of 1280 x 720 px, 672 x 376 px, but"));
+  options.calibration = write("SN2.conf", "[STEREO]\nBaseline=120\n");
+  EXPECT_THAT(refusal(options), HasSubstr("fx is missing in [left_cam_hd]"));
 }
 
 /// Frames as they are, 0.1 s apart from 20 s on.

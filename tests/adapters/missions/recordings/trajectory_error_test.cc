@@ -129,7 +129,12 @@ class TrajectoryFile : public testing::Test {
   std::string refusal(const std::string& text, bool tum) {
     const std::string path = write(text);
     try {
-      tum ? read_tum_trajectory(path) : read_kitti_trajectory(path, {0.0, 0.1});
+      std::vector<std::string> notes;
+      if (tum) {
+        read_tum_trajectory(path, notes);
+      } else {
+        read_kitti_poses(path, notes);
+      }
     } catch (const InputError& error) {
       return std::string(error.what()).substr(path.size());
     }
@@ -139,8 +144,12 @@ class TrajectoryFile : public testing::Test {
 
 TEST_F(TrajectoryFile, ReadsBackWhatItWrites) {
   const Trajectory written = {{0.0, pose(1, 2, 0.3)}, {0.1, pose(-4, 5.5, -2.0)}};
-  const Trajectory tum = read_tum_trajectory(write("# a comment\n" + tum_text(written)));
-  const Trajectory kitti = read_kitti_trajectory(write(kitti_text(written)), {0.0, 0.1});
+  std::vector<std::string> notes;
+  const Trajectory tum = read_tum_trajectory(write("# a comment\n" + tum_text(written)), notes);
+  const auto poses = read_kitti_poses(write(kitti_text(written)), notes);
+  ASSERT_EQ(poses.size(), 2u);
+  const Trajectory kitti = {{0.0, poses[0]}, {0.1, poses[1]}};
+  EXPECT_TRUE(notes.empty());
   for (const Trajectory& read : {tum, kitti}) {
     ASSERT_EQ(read.size(), 2u);
     for (int i = 0; i < 2; ++i) {
@@ -154,19 +163,60 @@ TEST_F(TrajectoryFile, RefusesWithOneLine) {
   using ::testing::HasSubstr;
   EXPECT_THAT(refusal("1 2 3\n", true), HasSubstr(":1: not a pose"));
   EXPECT_THAT(refusal("1 0 0 0 0 0 0 nan\n", true), HasSubstr(":1: not a pose"));
-  EXPECT_THAT(refusal("1 0 0 0 0 0 0 2\n", true), HasSubstr("norm"));
+  EXPECT_THAT(refusal("1 0 0 0 0 0 0 2\n", true), HasSubstr(":1: not a pose"));
   EXPECT_THAT(refusal("1 0 0 0 0 0 0 1\n1 0 0 0 0 0 0 1\n", true), HasSubstr(":2: the stamp"));
   EXPECT_THAT(refusal("# nothing\n", true), HasSubstr("no pose"));
-  EXPECT_THAT(refusal("1 0 0 0 0 1 0 0 0 0 1 0\n", false), HasSubstr("1 poses"));
-  EXPECT_THAT(refusal("1 0 0 0 0 1 0 0 0 0 2 0\n", false), HasSubstr("not a rotation"));
-  EXPECT_THROW(read_tum_trajectory("/nowhere/at/all"), InputError);
+  EXPECT_THAT(refusal("1 0 0 0 0 1 0 0 0 0 1\n", false), HasSubstr(":1: not a pose"));
+  EXPECT_THAT(refusal("1 0 0 0 0 1 0 0 0 0 2 0\n", false), HasSubstr("expected finite"));
+  std::vector<std::string> notes;
+  EXPECT_THROW(read_tum_trajectory("/nowhere/at/all", notes), InputError);
+}
+
+TEST_F(TrajectoryFile, WhatIsNoPoseIsLeftOutAndCounted) {
+  for (const char* bad : {"nan 0 0 0 0 0 1", "0 0 0 0 0 0 0", "-inf -inf 0 0 0 0 1"}) {
+    std::vector<std::string> notes;
+    const Trajectory read = read_tum_trajectory(
+        write("1 0 0 0 0 0 0 1\n2 " + std::string(bad) + "\n3 5 0 0 0 0 0 1\n"), notes);
+    ASSERT_EQ(read.size(), 2u) << bad;
+    EXPECT_EQ(read[1].T.translation().x(), 5.0);
+    ASSERT_EQ(notes.size(), 1u);
+    EXPECT_THAT(notes[0], ::testing::HasSubstr("1 of 3 poses of "));
+  }
+  std::vector<std::string> notes;
+  const std::string good = "1 0 0 0 0 1 0 0 0 0 1 0\n";
+  const auto kitti = read_kitti_poses(write(good + "nan 0 0 0 0 1 0 0 0 0 1 0\n" + good), notes);
+  ASSERT_EQ(kitti.size(), 3u);  // the others keep their lines
+  EXPECT_FALSE(is_known(kitti[1]));
+  EXPECT_EQ(notes.size(), 1u);
+  // Nothing is interpolated across a time at which the pose was said not to be known.
+  const Trajectory gap = {{0.0, kitti[0]}, {0.1, kitti[1]}, {0.2, kitti[2]}};
+  for (const double t : {0.05, 0.1, 0.15}) EXPECT_FALSE(pose_at(gap, t, 0.25)) << t;
+  EXPECT_TRUE(pose_at(gap, 0.2, 0.25));
+}
+
+TEST_F(TrajectoryFile, QuaternionsWithWFirst) {
+  const Eigen::Isometry3d T = pose(1, 2, 0.3);
+  const Eigen::Quaterniond q(T.linear());
+  const auto line = [](double a, double b, double c, double d) {
+    char text[200];
+    std::snprintf(text, sizeof text, "1 1 2 0 %.12f %.12f %.12f %.12f\n", a, b, c, d);
+    return std::string(text);
+  };
+  const std::string first = line(q.w(), q.x(), q.y(), q.z());
+  std::vector<std::string> notes;
+  const auto named = read_tum_trajectory(write("# time x y z qw qx qy qz\n" + first), notes);
+  EXPECT_LT((named[0].T.linear() - T.linear()).norm(), 1e-9);
+  EXPECT_EQ(notes.size(), 1u);
+  const auto unnamed = read_tum_trajectory(write(first), notes);
+  EXPECT_LT((with_w_first(unnamed[0].T).linear() - T.linear()).norm(), 1e-9);
 }
 
 TEST(TrajectoryError, PublishedEstimatesOfFreiburg1Xyz) {
   const std::string folder = std::string(PROSPECT_SHARED_DATA) + "/trajectories/evo_fr1_xyz/";
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no " << folder;
-  const Trajectory truth = read_tum_trajectory(folder + "freiburg1_xyz-groundtruth.txt");
-  const Trajectory estimate = read_tum_trajectory(folder + "freiburg1_xyz-rgbdslam.txt");
+  std::vector<std::string> notes;
+  const Trajectory truth = read_tum_trajectory(folder + "freiburg1_xyz-groundtruth.txt", notes);
+  const Trajectory estimate = read_tum_trajectory(folder + "freiburg1_xyz-rgbdslam.txt", notes);
   const auto pairs = associate(estimate, truth);
   EXPECT_GT(pairs.size(), 700u);
   // About a centimetre is what RGB-D SLAM reaches on this recording.
