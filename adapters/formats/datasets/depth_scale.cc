@@ -63,6 +63,53 @@ double disagreement(const DepthPoses& poses, const PinholeCamera& camera,
   return *quarter;
 }
 
+/// The metre of depths that were measured by stereo is that of the baseline: there is nothing to
+/// choose, but a wrong one shows.
+DepthScale scale_of_stereo(const DepthSource& source, const PinholeCamera& camera,
+                           const std::vector<std::size_t>& frames,
+                           const std::vector<RawImage>& raw) {
+  constexpr double kClearly = 0.5, kContradicts = 0.2;  // as of the others
+  DepthScale out;
+  out.per_metre = 1.0;
+  out.note = "the metre is that of the calibration";
+  const double off = disagreement(source.poses, camera, frames, raw, 1.0);
+  double other = std::numeric_limits<double>::infinity();
+  for (const double wrong : {0.5, 0.67, 0.8, 1.25, 1.5, 2.0}) {
+    other = std::fmin(other, disagreement(source.poses, camera, frames, raw, wrong));
+  }
+  out.doubtful = off > kContradicts || other < kClearly * off;
+  if (out.doubtful) {
+    out.note += ", but images and poses disagree by " + percent_text(off) +
+                ": the baseline, the focal length or the poses are wrong";
+  } else if (off < kClearly * other) {
+    out.note += ", and images and poses agree to " + percent_text(off);
+  } else {
+    out.note += "; the poses do not tell whether it is right";
+  }
+  return out;
+}
+
+/// disagreement() with each of the candidates.
+std::vector<double> disagreements(const DepthPoses& poses, const PinholeCamera& camera,
+                                  const std::vector<std::size_t>& frames,
+                                  const std::vector<RawImage>& raw,
+                                  const std::vector<double>& candidates) {
+  std::vector<double> off;
+  for (const double candidate : candidates) {
+    off.push_back(disagreement(poses, camera, frames, raw, candidate));
+  }
+  return off;
+}
+
+/// Where the least of them is.
+std::size_t least(const std::vector<double>& off) {
+  std::size_t best = 0;
+  for (std::size_t c = 1; c < off.size(); ++c) {
+    if (off[c] < off[best] || !std::isfinite(off[best])) best = c;
+  }
+  return best;
+}
+
 }  // namespace
 
 DepthImage scaled_depth(const RawImage& raw, double per_metre, const DepthRange& range) {
@@ -100,27 +147,7 @@ DepthScale choose_depth_scale(const DepthSource& source, const DepthDatasetOptio
     if (samples.read([&] { raw.push_back(read(i)); })) frames.push_back(i);
   }
   if (2 * samples.bad() > samples.all()) throw InputError(samples.first());
-  if (source.stereo) {
-    // The metre is that of the baseline: there is nothing to choose, but a wrong one shows.
-    DepthScale out;
-    out.per_metre = 1.0;
-    out.note = "the metre is that of the calibration";
-    const double off = disagreement(source.poses, camera, frames, raw, 1.0);
-    double other = std::numeric_limits<double>::infinity();
-    for (const double wrong : {0.5, 0.67, 0.8, 1.25, 1.5, 2.0}) {
-      other = std::fmin(other, disagreement(source.poses, camera, frames, raw, wrong));
-    }
-    out.doubtful = off > kContradicts || other < kClearly * off;
-    if (out.doubtful) {
-      out.note += ", but images and poses disagree by " + percent_text(off) +
-                  ": the baseline, the focal length or the poses are wrong";
-    } else if (off < kClearly * other) {
-      out.note += ", and images and poses agree to " + percent_text(off);
-    } else {
-      out.note += "; the poses do not tell whether it is right";
-    }
-    return out;
-  }
+  if (source.stereo) return scale_of_stereo(source, camera, frames, raw);
   const bool floats = !raw.empty() && raw[0].kind == RawImage::Kind::kFloat;
   const double rule = floats ? 1.0 : source.depth_scale;
   DepthScale out;
@@ -132,27 +159,13 @@ DepthScale choose_depth_scale(const DepthSource& source, const DepthDatasetOptio
   const std::string given = options.depth_scale ? "given" : "by the layout's rule";
   out.note = "depth scale " + scale_text(out.per_metre) + " a metre, " + given;
   if (!source.poses.empty()) {
-    const auto with_poses = [&](const DepthPoses& poses) {
-      std::vector<double> off;
-      for (const double candidate : candidates) {
-        off.push_back(disagreement(poses, camera, frames, raw, candidate));
-      }
-      return off;
-    };
-    const auto least = [&](const std::vector<double>& off) {
-      std::size_t best = 0;
-      for (std::size_t c = 1; c < off.size(); ++c) {
-        if (off[c] < off[best] || !std::isfinite(off[best])) best = c;
-      }
-      return best;
-    };
-    std::vector<double> off = with_poses(source.poses);
+    std::vector<double> off = disagreements(source.poses, camera, frames, raw, candidates);
     std::size_t best = least(off);
     std::string order;
     if (source.poses_of_quaternions && !(off[best] < kAgrees)) {
       DepthPoses again;
       for (const Eigen::Isometry3d& pose : source.poses) again.push_back(with_w_first(pose));
-      const std::vector<double> off_again = with_poses(again);
+      const std::vector<double> off_again = disagreements(again, camera, frames, raw, candidates);
       const std::size_t best_again = least(off_again);
       if (off_again[best_again] < kFits && off_again[best_again] < kClearly * off[best]) {
         order = "; the poses' quaternions have w first: read so they agree to " +
