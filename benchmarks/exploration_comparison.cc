@@ -84,6 +84,20 @@ ComparisonRow failed(const Mission& mission, const std::string& why) {
   return row;
 }
 
+/// Writes each step as a row, and says when enough was seen.
+struct PathRow final : RunObserver {
+  PathRow(std::FILE* its_path, double its_until) : path(its_path), until(its_until) {}
+  void on_record(const StepRecord& s, const MissionStep&) override {
+    enough = s.coverage >= until;
+    if (path == nullptr) return;
+    std::fprintf(path, "%.3f,%.3f,%.3f,%.3f,%.5f,%s\n", s.time, s.true_pose.position.x(),
+                 s.true_pose.position.y(), s.true_pose.yaw, s.coverage, s.seed.c_str());
+  }
+  std::FILE* path;
+  double until;
+  bool enough = false;
+};
+
 ComparisonRow run(const Mission& mission, const Arguments& arguments) {
   try {
     Configuration configuration = read_configuration(arguments.configuration);
@@ -101,14 +115,9 @@ ComparisonRow run(const Mission& mission, const Arguments& arguments) {
       if (path == nullptr) throw InputError(name + ": cannot be opened for writing");
       std::fputs("time,x,y,yaw,coverage,plan\n", path);
     }
-    bool enough = false;
-    options.on_step = [&](const StepRecord& s) {
-      enough = s.coverage >= arguments.until;
-      if (path == nullptr) return;
-      std::fprintf(path, "%.3f,%.3f,%.3f,%.3f,%.5f,%s\n", s.time, s.true_pose.position.x(),
-                   s.true_pose.position.y(), s.true_pose.yaw, s.coverage, s.seed.c_str());
-    };
-    if (arguments.until < 1.0) options.cancelled = [&] { return enough; };
+    PathRow row(path, arguments.until);
+    options.observers = [&](const Configuration&) { return std::vector<RunObserver*>{&row}; };
+    if (arguments.until < 1.0) options.cancelled = [&] { return row.enough; };
     options.keep_steps = false;
     ExplorationRunResult result = run_exploration(world, configuration, options);
     // Nothing else cancels a mission: one that ends by itself keeps its reason.

@@ -52,7 +52,7 @@ class Watched final : public BeliefSource {
     const DriverStatus status = driver->status();
     Sample sample;
     sample.time = time;
-    sample.path = base_.truth().path_length;
+    sample.path = base_.newest().path_length;
     if (!samples_.empty()) {
       const Sample& before = samples_.back();
       sample.speed = (sample.path - before.path) / (time - before.time);
@@ -82,7 +82,7 @@ class Watched final : public BeliefSource {
  private:
   /// Whether it has turned since the last time.
   bool turns() {
-    const double yaw = base_.truth().pose.yaw;
+    const double yaw = base_.newest().pose.yaw;
     return std::abs(std::exchange(yaw_, yaw) - yaw) > 0.001;
   }
 
@@ -152,13 +152,12 @@ FaultOutcome drive_with_fault(const std::shared_ptr<const World>& world,
   SensorInbox inbox(clock, FaultyFrames::inbox_options(simulated_inbox({}), faults));
   const RgbdFootprint& seen = configuration.robot.depth;
   FaultyFrames frames(clock, inbox, faults, kStart, {seen.min_range, seen.max_range});
-  SimulatedStreams streams(base, simulator, clock, inbox, frames_into(frames),
-                           base_options.belief_period);
+  SimulatedStreams streams(base, simulator, clock, inbox, frames, base_options.belief_period);
   Watched watched(base, streams, clock, one);
   Planner planner(configuration.robot, configuration.planner,
                   SolverRegistry().make(configuration.solver));
   FaultyReplanner faulty(planner, *configuration.robot.model, clock, faults, kStart);
-  const FaultyDisk disk(clock, faults, kStart);
+  FaultyDisk disk(clock, faults, kStart);
   const Guard guard = guard_for(configuration.robot, configuration.planner, configuration.guard);
   RealTimeDriver driver({.clock = clock,
                          .base = faulty_base,
@@ -173,7 +172,8 @@ FaultOutcome drive_with_fault(const std::shared_ptr<const World>& world,
   watched.look_at(driver);
   MissionOptions mission = configuration.mission;
   mission.time_limit = one.length;
-  driver.run(mission, [&](const MissionStep&) { disk.write(); });
+  mission.observers = {&disk};
+  driver.run(mission);
 
   FaultOutcome outcome;
   judge(watched.samples(), one, outcome);

@@ -56,10 +56,23 @@ struct Step {
   std::shared_ptr<const ProblemSpecification> specification;
 };
 
-class Comparison {
+class Comparison final : public RunObserver {
  public:
-  Comparison(int stages, double dt, double N_min)
-      : stages_(stages), dt_(dt), N_min_(N_min), ahead_(static_cast<std::size_t>(stages) + 1) {}
+  /// committed [s]: of a plan.
+  Comparison(int stages, double dt, double N_min, double committed)
+      : stages_(stages),
+        dt_(dt),
+        N_min_(N_min),
+        committed_time_(committed),
+        ahead_(static_cast<std::size_t>(stages) + 1) {}
+
+  void on_record(const StepRecord& r, const MissionStep& step) override {
+    const auto specification = step.made ? step.made->specification : nullptr;
+    const bool comparable = specification != nullptr && r.plan_kind != PlanKind::kStoppingTail &&
+                            r.localization != Localization::kLost;
+    add({r.time, r.estimated_pose, static_cast<double>(r.tracked_features), comparable,
+         r.predicted_features, committed_time_, specification});
+  }
 
   void add(Step step) {
     if (!steps_.empty()) {
@@ -129,7 +142,7 @@ class Comparison {
   }
 
   int stages_;
-  double dt_, N_min_;
+  double dt_, N_min_, committed_time_;
   std::deque<Step> steps_;
   Errors committed_;
   std::vector<Errors> ahead_;
@@ -152,7 +165,7 @@ int run(int argc, char** argv) {
       configuration_from_text(overlay, "--config", {}, {"simulator.sensors=" + sensors});
   configuration.mission.time_limit = time_limit;
   const PlannerParameters& planner = configuration.planner;
-  Comparison comparison(planner.N, planner.dt, planner.features.N_min);
+  Comparison comparison(planner.N, planner.dt, planner.features.N_min, planner.committed);
   for (int seed = first_seed; seed < first_seed + seeds; ++seed) {
     for (const std::string& name : worlds) {
       World loaded = load_world(name, world_options_for(configuration));
@@ -161,12 +174,8 @@ int run(int argc, char** argv) {
       ExplorationRunOptions options;
       options.seed = static_cast<std::uint64_t>(seed);
       options.keep_steps = false;
-      options.on_plan = [&](const StepRecord& r, const Planner& p) {
-        const bool comparable = p.specification() != nullptr &&
-                                r.plan_kind != PlanKind::kStoppingTail &&
-                                r.localization != Localization::kLost;
-        comparison.add({r.time, r.estimated_pose, static_cast<double>(r.tracked_features),
-                        comparable, r.predicted_features, planner.committed, p.specification()});
+      options.observers = [&](const Configuration&) {
+        return std::vector<RunObserver*>{&comparison};
       };
       const auto result =
           run_exploration(std::make_shared<const World>(std::move(loaded)), configuration, options);

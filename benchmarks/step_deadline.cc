@@ -66,6 +66,7 @@ class TimedPlanner final : public Replanner {
     return plan;
   }
   std::shared_ptr<const GlobalPlan> global_plan() const override { return planner_->global_plan(); }
+  std::shared_ptr<const PlanningStep> step() const override { return planner_->step(); }
   std::string set_task(const Task& task) override { return planner_->set_task(task); }
 
  private:

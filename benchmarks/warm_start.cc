@@ -114,6 +114,27 @@ std::vector<std::string> gradient_solvers() {
   return names;
 }
 
+/// Solves the problem of each step from both starts.
+struct Starts final : RunObserver {
+  explicit Starts(const std::vector<std::shared_ptr<const Solver>>& its_solvers)
+      : solvers(its_solvers) {}
+  void on_step(const MissionStep& step) override {
+    done = step.index + 1;
+    for (const auto& solver : solvers) {
+      const Problem* const problem = step.made ? step.made->problem.get() : nullptr;
+      if (problem == nullptr || !solver->explain_unsupported(*problem).empty()) continue;
+      compare(*solver, *problem, step.time - stamp, last[solver->name()], sums[solver->name()]);
+    }
+    stamp = step.time;
+  }
+
+  const std::vector<std::shared_ptr<const Solver>>& solvers;
+  std::map<std::string, Sum> sums;
+  std::map<std::string, Eigen::VectorXd> last;
+  double stamp = 0.0;
+  int done = 0;
+};
+
 int measure(const std::vector<std::string>& worlds, int steps,
             const std::vector<std::string>& names) {
   Configuration configuration = read_configuration("");
@@ -129,25 +150,14 @@ int measure(const std::vector<std::string>& worlds, int steps,
   for (const std::string& name : worlds) {
     const auto world =
         std::make_shared<const World>(load_world(name, world_options_for(configuration)));
-    std::map<std::string, Sum> sums;
-    std::map<std::string, Eigen::VectorXd> last;
-    double stamp = 0.0;
-    int done = 0;
+    Starts starts(solvers);
     ExplorationRunOptions options;
     options.seed = 1;
     options.keep_steps = false;
-    options.on_plan = [&](const StepRecord& record, const Planner& planner) {
-      done = record.step + 1;
-      const auto problem = planner.problem();
-      for (const auto& solver : solvers) {
-        if (!problem || !solver->explain_unsupported(*problem).empty()) continue;
-        compare(*solver, *problem, record.time - stamp, last[solver->name()], sums[solver->name()]);
-      }
-      stamp = record.time;
-    };
-    options.cancelled = [&] { return done >= steps; };
+    options.observers = [&](const Configuration&) { return std::vector<RunObserver*>{&starts}; };
+    options.cancelled = [&] { return starts.done >= steps; };
     run_exploration(world, configuration, options);
-    for (const auto& [solver, s] : sums) {
+    for (const auto& [solver, s] : starts.sums) {
       std::printf("| %s | `%s` | %d | %d | %d | %.2f | %d | %d / %d | %d | %d |\n", name.c_str(),
                   solver.c_str(), s.problems, s.cold, s.warm,
                   static_cast<double>(s.warm) / std::max(1, s.cold), s.halved, s.warm_better,

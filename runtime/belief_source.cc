@@ -10,11 +10,17 @@ std::shared_ptr<const Belief> PipelineBeliefs::update(const std::stop_token& sto
   for (int k = 0; k < kAtOnce; ++k) {
     const std::optional<SensorFrame> frame = inbox_.take();
     if (!frame) break;
-    if (on_frame_) on_frame_(*frame);
+    tell(observers_, &MissionObserver::on_frame, *frame);
+    if (const auto* pair = std::get_if<StereoFrame>(&*frame)) left_ = pair->left;
     feed(perception_, *frame);
     any = true;
   }
   return any ? perception_.belief() : nullptr;
+}
+
+CameraPicture PipelineBeliefs::picture() {
+  if (!left_) return {};
+  return {std::exchange(left_, nullptr), perception_.odometry().sightings()};
 }
 
 }  // namespace prospect

@@ -16,8 +16,8 @@ std::string text(const char* format, double a, double b = 0.0, double c = 0.0, d
 
 }  // namespace
 
-MissionProgress::MissionProgress(const MissionOptions& options, double start)
-    : options_(options), start_(start), last_localized_(start) {}
+MissionProgress::MissionProgress(const MissionOptions& options, Replanner& planner, double start)
+    : options_(options), planner_(planner), start_(start), last_localized_(start) {}
 
 // On the path back `end` stays that of the task.
 bool MissionProgress::over(MissionEnd end, std::string detail) {
@@ -61,8 +61,31 @@ bool MissionProgress::over_before(const Belief& belief, double now, bool cancell
   return false;
 }
 
-bool MissionProgress::over_after(const MissionStep& step, Replanner& planner) {
-  const Plan& plan = *step.plan;
+void MissionProgress::prepare(const Belief& belief) {
+  tell(options_.observers, &MissionObserver::on_prepare, belief);
+  planner_.prepare(belief);
+}
+
+std::shared_ptr<const Plan> MissionProgress::plan(const Belief& newest, const Belief& from,
+                                                  double now) {
+  tell(options_.observers, &MissionObserver::on_plan, from);
+  const auto plan = std::make_shared<Plan>(planner_.plan(from));
+  if (plan->stop == StopReason::kCancelled) {
+    over_before(newest, now, true);
+    return nullptr;
+  }
+  tell(options_.observers, &MissionObserver::on_planned, *plan);
+  // It begins when it was meant to, whatever the planner made of the stamp.
+  plan->stamp = from.stamp;
+  return plan;
+}
+
+bool MissionProgress::over_after(const Belief& newest, const Plan& plan, const GuardStops& stops) {
+  const std::shared_ptr<const GlobalPlan> global_plan = planner_.global_plan();
+  MissionStep step{result.steps,      result.duration, &newest,      &plan,
+                   global_plan.get(), stops.count,     stops.reason, planner_.step()};
+  if (options_.truth) step.truth = options_.truth->at(newest);
+  tell(options_.observers, &MissionObserver::on_step, step);
   ++result.steps;
   if (plan.kind == PlanKind::kStoppingTail) ++result.fallbacks;
   const Eigen::Vector2d at = step.belief->pose.position.head<2>();
@@ -75,14 +98,14 @@ bool MissionProgress::over_after(const MissionStep& step, Replanner& planner) {
     detour_->hold();
     detour_->tell(plan.why);
     detour_ = nullptr;
-    planner.set_task(result.back ? Task::return_to_start() : options_.task);
+    set_task(result.back ? Task::return_to_start() : options_.task);
     return false;
   }
   const bool asked = options_.missing && !result.back;
   if (asked) missing_ = options_.missing(step);
   const bool enough = asked && missing_.empty();
   if (!done && !enough) {
-    return options_.return_when_done && !result.back && turned_back(step, planner);
+    return options_.return_when_done && !result.back && turned_back(step);
   }
   MissionEnd end = done ? end_for(plan.mode.cause) : MissionEnd::kEnough;
   if (done) result.heading_missed = plan.heading_missed;
@@ -90,22 +113,27 @@ bool MissionProgress::over_after(const MissionStep& step, Replanner& planner) {
   if (explored && !missing_.empty()) end = MissionEnd::kTooLittle;
   over(end, done ? plan.why : "enough was seen.");
   if (result.back || !options_.return_when_done || end == MissionEnd::kReturned) return true;
-  return begin_return(planner);
+  return begin_return();
+}
+
+std::string MissionProgress::set_task(const Task& task) {
+  tell(options_.observers, &MissionObserver::on_task, task);
+  return planner_.set_task(task);
 }
 
 // Whether it is over, because the planner cannot return.
-bool MissionProgress::begin_return(Replanner& planner) {
+bool MissionProgress::begin_return() {
   result.back = false;
   detour_ = nullptr;
-  const std::string refused = planner.set_task(Task::return_to_start());
+  const std::string refused = set_task(Task::return_to_start());
   return !refused.empty() && over(MissionEnd::kGoalUnreachable, refused);
 }
 
 // Turns back if it is time to; whether it is over then.
-bool MissionProgress::turned_back(const MissionStep& step, Replanner& planner) {
+bool MissionProgress::turned_back(const MissionStep& step) {
   const double elapsed = result.duration;
   if (elapsed < ask_return_path_at_) return false;
-  const std::optional<ReturnPath> path = planner.return_path(*step.belief);
+  const std::optional<ReturnPath> path = planner_.return_path(*step.belief);
   if (!path) return false;
   const double spare = options_.time_limit - elapsed - path->time;
   ask_return_path_at_ = elapsed + std::min(kAskEvery, spare / 3.0);
@@ -117,13 +145,13 @@ bool MissionProgress::turned_back(const MissionStep& step, Replanner& planner) {
             "the time limit of %g s.",
             elapsed, path->length, path->time, options_.time_limit));
   result.turned_back_at = elapsed;
-  return begin_return(planner);
+  return begin_return();
 }
 
-void MissionProgress::take_detour(DriveRequests& requests, Replanner& planner) {
+void MissionProgress::take_detour(DriveRequests& requests) {
   const std::optional<Eigen::Vector2d> place = requests.take_place();
   if (!place) return;
-  std::string refused = planner.set_task(Task::go_to(*place));
+  std::string refused = set_task(Task::go_to(*place));
   if (refused.empty()) {
     detour_ = &requests;
     requests.resume();

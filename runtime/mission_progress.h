@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -12,9 +13,16 @@
 
 namespace prospect {
 
-/// Whether a mission is over, and how it ended: the rules of all that drive one, in lockstep or in
-/// real time. Times are of the robot's clock [s]. Thread-safety: one thread. Does not throw, unless
-/// MissionOptions::missing does.
+/// Commands that the guard turned into stops since the step before.
+struct GuardStops {
+  int count = 0;
+  GuardReason reason = GuardReason::kPassed;  ///< of the last of them
+};
+
+/// A mission's planning steps, and whether it is over: the same for all that drive one, in lockstep
+/// or in real time. A step is over_before(), plan(), over_after(); its observers are told of each
+/// call of the planner. Times are of the robot's clock [s]. Thread-safety: one thread. Does not
+/// throw, unless MissionOptions::missing or on_step() of an observer do.
 ///
 /// An end whose outcome is "done" needs evidence: that of the planner (behaviour.h), nothing that
 /// is missing, a path back that was driven. A mission that has not moved says what the certificate
@@ -26,20 +34,26 @@ namespace prospect {
 /// counts on.
 class MissionProgress {
  public:
-  /// options outlives it.
-  MissionProgress(const MissionOptions& options, double start);
+  /// options and planner outlive it.
+  MissionProgress(const MissionOptions& options, Replanner& planner, double start);
 
   /// Before a planning step: whether it is over because it was cancelled, time is up, or
   /// localization does not come back.
   bool over_before(const Belief& belief, double now, bool cancelled);
-  /// After a planning step: counts it and says whether it is over because the task is. Where the
-  /// robot is to return then, `planner` is told to, once, and it is not over yet.
-  bool over_after(const MissionStep& step, Replanner& planner);
+  /// Replanner::prepare() with that belief.
+  void prepare(const Belief& belief);
+  /// The plan that begins as `from` says, at its stamp; null: it was cancelled while it was made,
+  /// which is no step, and ends the mission. newest: the belief now.
+  std::shared_ptr<const Plan> plan(const Belief& newest, const Belief& from, double now);
+  /// After plan() from what was the newest belief: tells observers of the step, counts it, and says
+  /// whether the mission is over because the task is. Where the robot is to return then, the
+  /// planner is told to, once, and it is not over yet.
+  bool over_after(const Belief& newest, const Plan& plan, const GuardStops& stops);
 
   /// Takes the place that people have asked for since the call before, if any: the planner is told
   /// to go there, and the robot to drive. At the end of that way over_after() tells it to stand and
   /// the planner to go on with the task.
-  void take_detour(DriveRequests& requests, Replanner& planner);
+  void take_detour(DriveRequests& requests);
 
   MissionResult result;
 
@@ -47,10 +61,12 @@ class MissionProgress {
 
  private:
   bool over(MissionEnd end, std::string detail);
-  bool turned_back(const MissionStep& step, Replanner& planner);
-  bool begin_return(Replanner& planner);
+  bool turned_back(const MissionStep& step);
+  bool begin_return();
+  std::string set_task(const Task& task);
 
   const MissionOptions& options_;
+  Replanner& planner_;
   DriveRequests* detour_ = nullptr;  // whose path the robot is on; null: nobody's
   double start_;
   double last_localized_;

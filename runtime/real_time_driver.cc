@@ -3,10 +3,12 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <cstdint>
 #include <exception>
 #include <limits>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <thread>
 #include <utility>
@@ -135,7 +137,8 @@ struct RealTimeDriver::Impl {
   std::atomic<bool> at_rest{false};  // after `over`
   std::atomic<int> guard_stops{0};   // since the last planning step
   std::atomic<GuardReason> guard_reason{GuardReason::kPassed};
-  std::exception_ptr thrown;  // by the planner's thread, read once it is joined
+  std::exception_ptr thrown;                // by the planner's thread, read once it is joined
+  std::vector<MissionObserver*> observers;  // of the mission that is driven
   LatencyHistogram planning;  // the planner's thread's own, handed on by planning_seen
   Newest<LatencyHistogram> planning_seen;
 
@@ -147,9 +150,12 @@ struct RealTimeDriver::Impl {
 
   double now() const { return parts.clock.now(); }
   void perceive(const std::stop_token& stop);
-  void plan_on(const std::stop_token& stop, MissionProgress& progress,
-               const std::function<void(const MissionStep&)>& observe);
+  void plan_on(const std::stop_token& stop, MissionProgress& progress);
   void send(const std::stop_token& stop);
+  /// Tells observers of new events, and how the robot is, if it is time again or the end.
+  void report(const RealTimeDriver& driver, bool at_end);
+  std::uint64_t next_event = 0;                                // of those that they were told of
+  double reported = -std::numeric_limits<double>::infinity();  // [s]
   /// Of the command thread, which cannot say itself that it hangs: the base's dead-man is what is
   /// left then.
   void watch_command_thread(bool& late);
@@ -159,14 +165,18 @@ void RealTimeDriver::Impl::perceive(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
     supervisor.beat(kPerception, now());
     if (std::shared_ptr<const Belief> newest = parts.beliefs.update(stop)) {
-      if (parts.on_belief) parts.on_belief(*newest);
+      if (!observers.empty()) {
+        if (const CameraPicture picture = parts.beliefs.picture(); picture.image) {
+          tell(observers, &MissionObserver::on_picture, picture);
+        }
+      }
+      tell(observers, &MissionObserver::on_belief, *newest);
       belief.set(std::move(newest));
     }
   }
 }
 
-void RealTimeDriver::Impl::plan_on(const std::stop_token& stop, MissionProgress& progress,
-                                   const std::function<void(const MissionStep&)>& observe) {
+void RealTimeDriver::Impl::plan_on(const std::stop_token& stop, MissionProgress& progress) {
   const CommandLoopOptions& command_options = options.command;
   PlanningLatency latency(options.least_latency, options.most_latency,
                           2.0 * command_options.period);
@@ -188,26 +198,20 @@ void RealTimeDriver::Impl::plan_on(const std::stop_token& stop, MissionProgress&
     start = std::max(now() + ahead + lead, start + std::max(options.replan_period, ahead + lead));
     if (!parts.clock.wait_until(start - lead - ahead, stop)) break;
     const double prepared = now();
-    parts.planner.prepare(*belief.get());
+    progress.prepare(*belief.get());
     preparation.add(now() - prepared);
     start = std::max(start, now() + lead);
     if (!parts.clock.wait_until(start - lead, stop)) break;
     newest = belief.get();
     const double begun = now();
     if (progress.over_before(*newest, begun, cancelled)) break;
-    progress.take_detour(requests, parts.planner);
+    progress.take_detour(requests);
     const CommandState state = command.get();
     const std::vector<SentCommand> commands =
         commands_until(*parts.model, state, begun, start, command_options.period);
     const Belief predicted = predicted_belief(*newest, commands, start, command_options.delay);
-    auto plan_made = std::make_shared<Plan>(parts.planner.plan(predicted));
-    // What was cut short is no step.
-    if (plan_made->stop == StopReason::kCancelled && progress.over_before(*newest, now(), true)) {
-      break;
-    }
-    // The plan begins when it was meant to, whatever the planner made of the stamp.
-    plan_made->stamp = predicted.stamp;
-    published.plan = plan_made;
+    published.plan = progress.plan(*newest, predicted, begun);
+    if (!published.plan) break;
     if (is_at_rest(predicted.twist)) published.from_rest = predicted.stamp;
     plan.set(published);
     const double took = now() - begun;
@@ -215,18 +219,10 @@ void RealTimeDriver::Impl::plan_on(const std::stop_token& stop, MissionProgress&
     planning.add(took);
     planning_seen.set(planning);
 
-    const std::shared_ptr<const GlobalPlan> global_plan = parts.planner.global_plan();
-    const MissionStep step{progress.result.steps,
-                           progress.result.duration,
-                           newest.get(),
-                           published.plan.get(),
-                           global_plan.get(),
-                           guard_stops.exchange(0),
-                           guard_reason.exchange(GuardReason::kPassed)};
-    progress.result.guard_stops += step.guard_stops;
+    const GuardStops stops{guard_stops.exchange(0), guard_reason.exchange(GuardReason::kPassed)};
+    progress.result.guard_stops += stops.count;
     try {
-      if (observe) observe(step);
-      if (progress.over_after(step, parts.planner)) break;
+      if (progress.over_after(*newest, *published.plan, stops)) break;
     } catch (...) {
       thrown = std::current_exception();
       break;
@@ -309,7 +305,7 @@ void RealTimeDriver::Impl::send(const std::stop_token& stop) {
       parts.base.send(step.command, step.expires);
     }
     following.told({instant, step.expires, step.command, step.stop});
-    if (parts.on_command) parts.on_command(instant, step.stop ? Twist{} : step.command);
+    tell(observers, &MissionObserver::on_command, instant, step.stop ? Twist{} : step.command);
     command.set(loop.state());
     if (step.reason == CommandReason::kGuard) {
       ++guard_stops;
@@ -364,26 +360,40 @@ void RealTimeDriver::Impl::watch_command_thread(bool& late) {
   late = is_late;
 }
 
+void RealTimeDriver::Impl::report(const RealTimeDriver& driver, bool at_end) {
+  if (observers.empty()) return;
+  const EventLog::Reading reading = events.since(next_event);
+  next_event = reading.next;
+  if (!reading.events.empty()) {
+    tell(observers, &MissionObserver::on_events, std::span<const Event>(reading.events));
+  }
+  constexpr double kEvery = 0.2;  // [s]
+  if (!at_end && now() - reported < kEvery) return;
+  reported = now();
+  tell(observers, &MissionObserver::on_status, driver.status(), driver.health());
+}
+
 RealTimeDriver::RealTimeDriver(const RobotParts& parts, const RealTimeOptions& options)
     : impl_(std::make_unique<Impl>(parts, options)) {}
 RealTimeDriver::~RealTimeDriver() = default;
 
-MissionResult RealTimeDriver::run(const MissionOptions& mission,
-                                  const std::function<void(const MissionStep&)>& observe,
-                                  const std::function<bool()>& cancelled) {
+MissionResult RealTimeDriver::run(const MissionOptions& mission) {
   Impl& s = *impl_;
-  MissionProgress progress(mission, s.now());
+  MissionProgress progress(mission, s.parts.planner, s.now());
+  s.observers = mission.observers;
+  s.parts.beliefs.watched_by(mission.observers);
   {
     // In the order in which they are needed; the command thread ends last.
     std::jthread command([&s](const std::stop_token& stop) { s.send(stop); });
-    std::jthread planner([&](const std::stop_token& stop) { s.plan_on(stop, progress, observe); });
+    std::jthread planner([&](const std::stop_token& stop) { s.plan_on(stop, progress); });
     std::jthread perception([&s](const std::stop_token& stop) { s.perceive(stop); });
     const std::stop_token never;
     bool late = false;
     while (!s.over) {
       s.parts.clock.wait_until(s.now() + kPoll, never);
       s.watch_command_thread(late);
-      if (cancelled && cancelled()) s.cancelled = true;
+      s.report(*this, false);
+      if (mission.cancelled && mission.cancelled()) s.cancelled = true;
     }
     const double end = s.now();
     while (!s.at_rest && s.now() - end < kLongestStop) {
@@ -391,7 +401,10 @@ MissionResult RealTimeDriver::run(const MissionOptions& mission,
     }
   }
   s.parts.base.stop();
+  s.parts.beliefs.watched_by({});
+  s.report(*this, true);
   if (s.thrown) std::rethrow_exception(s.thrown);
+  tell(s.observers, &MissionObserver::on_end, progress.result);
   return progress.result;
 }
 

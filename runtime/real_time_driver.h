@@ -66,10 +66,6 @@ struct RobotParts {
   // What a health report tells of besides.
   std::vector<WatchedStream> streams{};
   std::vector<CheckResult> preflight{};
-  // Who listens, such as a log; may be empty, must not wait and not throw.
-  std::function<void(const Belief&)> on_belief{};  ///< each new one, on the perception thread
-  /// Each command that is sent, and when [s], on the command thread; a stop is zero.
-  std::function<void(double, const Twist&)> on_command{};
   /// What people ask of it, also before it drives; null: nobody but by the driver's own functions.
   DriveRequests* requests = nullptr;
 };
@@ -130,18 +126,15 @@ struct DriverStatus {
 ///
 /// Thread-safety: run() once, by one thread; the other functions by any. Errors: the constructor
 /// throws std::invalid_argument for a base that declares no dead-man, and for options out of range;
-/// run() passes on what `observe` or `enough` throw, once the robot is at rest.
+/// run() passes on what on_step() or MissionOptions::missing throw, once the robot is at rest.
 class RealTimeDriver {
  public:
   RealTimeDriver(const RobotParts& parts, const RealTimeOptions& options);
   ~RealTimeDriver();
 
-  /// observe: after each planning step, on the planner's thread; may be empty, as may `cancelled`.
-  /// step.belief is the newest when the step began; the plan begins at its stamp, later.
-  /// result.duration is of the runtime's clock.
-  MissionResult run(const MissionOptions& mission,
-                    const std::function<void(const MissionStep&)>& observe = {},
-                    const std::function<bool()>& cancelled = {});
+  /// Observers are told as mission_observer.h says. MissionStep::belief is the newest when the step
+  /// began; the plan begins at its stamp, later. result.duration is of the runtime's clock.
+  MissionResult run(const MissionOptions& mission);
 
   // As DriveRequests.
   void emergency_stop() noexcept;

@@ -1,26 +1,47 @@
 #pragma once
 
+#include <functional>
 #include <memory>
+#include <optional>
+#include <string>
+#include <vector>
 
-#include "engine/maps/belief.h"
+#include "models/camera.h"
 #include "models/types.h"
+#include "runtime/base.h"
+#include "runtime/belief_source.h"
+#include "runtime/clock.h"
+#include "runtime/emergency_stop.h"
+#include "runtime/mission_observer.h"
+#include "runtime/sensor_inbox.h"
+#include "runtime/truth.h"
 
 namespace prospect {
 
-/// What a mission drives: something that knows its belief and takes velocity commands. Implemented
-/// by the simulator and by motor adapters.
-///
-/// Thread-safety: called from the mission's thread only. Implementations do not throw; a source
-/// that has died is noticed by the age of its beliefs.
-class Robot {
- public:
-  virtual ~Robot() = default;
-  /// The newest belief; never null.
-  virtual std::shared_ptr<const Belief> sense() = 0;
-  /// Commands a body velocity for `duration` [s] and returns once it has passed.
-  virtual void apply(const Twist& command, double duration) = 0;
-  /// The robot's clock [s], monotonic; stamps of beliefs are readings of it.
-  virtual double time() const = 0;
+/// A robot as its adapter makes it (make_robot()): its time, its motors, what its sensors deliver,
+/// and what is true of it if anybody knows. Nothing of it plans, guards or records. The pointers
+/// share what they rest on, so their order does not matter.
+struct Robot {
+  std::string name;  ///< for records
+  std::shared_ptr<const Clock> clock;
+  std::shared_ptr<Base> base;
+  std::shared_ptr<SensorInbox> frames;  ///< where its sensors' frames come
+  std::shared_ptr<BeliefSource>
+      beliefs{};                   ///< of a robot that perceives by itself; null: frames do
+  std::shared_ptr<Truth> truth{};  ///< null: nobody knows
+
+  Pose start;                            ///< of B in W, when it was made
+  double made = 0.0;                     ///< [s] of the clock
+  bool simulated_time = false;           ///< the clock is a simulation's that somebody else runs
+  std::optional<PinholeCamera> depth{};  ///< none: it has no depth images
+  /// What it tells of itself, above its description: settings such as "robot.stereo.fx=450", and
+  /// who says so.
+  std::vector<std::string> settings{};
+  std::string settings_of{};
+  const EmergencyStopInput* emergency_stop = nullptr;  ///< null: nobody presses one
+  std::vector<MissionObserver*> observers{};           ///< what it tells others of its mission
+  /// What is wrong with its links, a sentence each; empty: nobody says.
+  std::function<std::vector<std::string>()> link_faults{};
 };
 
 }  // namespace prospect

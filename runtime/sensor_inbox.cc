@@ -5,6 +5,7 @@
 #include <cmath>
 #include <type_traits>
 #include <utility>
+#include <variant>
 
 #include "models/formatted.h"
 #include "models/knobs.h"
@@ -27,9 +28,8 @@ bool empty(const Image& image) {
          image.pixels.size() !=
              static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
 }
-bool empty(const CameraContent& content) {
-  return !content.estimate && (!content.image || empty(*content.image));
-}
+bool empty(const std::shared_ptr<const Image>& image) { return !image || empty(*image); }
+bool empty(const CameraContent& content) { return !content.estimate && empty(content.image); }
 
 }  // namespace
 
@@ -49,37 +49,6 @@ std::string_view to_string(SensorStream stream) {
       return "scan";
   }
   return "?";
-}
-
-double stamp_of(const SensorFrame& frame) {
-  return std::visit(
-      [](const auto& f) {
-        if constexpr (std::is_same_v<std::decay_t<decltype(f)>, StereoFrame>) {
-          return f.left_stamp;
-        } else {
-          return f.stamp;
-        }
-      },
-      frame);
-}
-
-InputResult feed(PerceptionPipeline& perception, const SensorFrame& frame) {
-  return std::visit(
-      [&](const auto& f) -> InputResult {
-        using Frame = std::decay_t<decltype(f)>;
-        if constexpr (std::is_same_v<Frame, StereoFrame>) {
-          return perception.stereo({f.left_stamp, f.right_stamp, f.left->view(), f.right->view()});
-        } else if constexpr (std::is_same_v<Frame, WheelSample>) {
-          return perception.wheels(f);
-        } else if constexpr (std::is_same_v<Frame, DepthFrame>) {
-          return perception.depth(f.stamp, *f.image);
-        } else if constexpr (std::is_same_v<Frame, ScanFrame>) {
-          return perception.scan(f.stamp, *f.in_B);
-        } else {
-          return {InputState::kRefused, "an estimate; expected images"};
-        }
-      },
-      frame);
 }
 
 SensorInbox::SensorInbox(const Clock& clock, const SensorInboxOptions& options)
@@ -218,15 +187,35 @@ void SensorInbox::right(double stamp, CameraContent content) {
   lone(SensorStream::kRight, stamp, std::move(content));
 }
 
+void SensorInbox::observe(const SensorFrame& frame) {
+  std::visit(
+      [this](const auto& f) {
+        using Frame = std::decay_t<decltype(f)>;
+        if constexpr (std::is_same_v<Frame, WheelSample>) {
+          wheels(f);
+        } else if constexpr (std::is_same_v<Frame, EstimateFrame>) {
+          left(f.stamp, f.belief);
+          right(f.stamp, f.belief);
+        } else {
+          add(f);
+        }
+      },
+      frame);
+}
+
 void SensorInbox::pair(double left_stamp, double right_stamp, ImagePair images) {
-  StereoFrame frame{left_stamp, right_stamp, std::make_shared<const Image>(std::move(images.left)),
-                    std::make_shared<const Image>(std::move(images.right))};
+  add(StereoFrame{left_stamp, right_stamp, std::make_shared<const Image>(std::move(images.left)),
+                  std::make_shared<const Image>(std::move(images.right))});
+}
+
+void SensorInbox::add(StereoFrame frame) {
+  const double left_stamp = frame.left_stamp, right_stamp = frame.right_stamp;
   {
     const std::lock_guard lock(mutex_);
     const std::optional<double> at_capture = shifted(SensorStream::kPair, left_stamp);
     if (!at_capture) return;
     StreamCount& count = at(SensorStream::kPair).count;
-    if (empty(*frame.left) || empty(*frame.right) || !std::isfinite(right_stamp)) {
+    if (empty(frame.left) || empty(frame.right) || !std::isfinite(right_stamp)) {
       return drop(count, &StreamCount::refused,
                   "an image is empty or the right one's stamp is not finite");
     }
@@ -251,30 +240,39 @@ void SensorInbox::wheels(const WheelSample& sample) {
 }
 
 void SensorInbox::depth(double stamp, DepthImage image) {
-  auto shared = std::make_shared<const DepthImage>(std::move(image));
+  add(DepthFrame{stamp, std::make_shared<const DepthImage>(std::move(image))});
+}
+
+void SensorInbox::add(DepthFrame frame) {
   {
     const std::lock_guard lock(mutex_);
-    const std::optional<double> at_capture = shifted(SensorStream::kDepth, stamp);
+    const std::optional<double> at_capture = shifted(SensorStream::kDepth, frame.stamp);
     if (!at_capture) return;
-    if (!shared->whole()) {
+    if (!frame.image || !frame.image->whole()) {
       return drop(at(SensorStream::kDepth).count, &StreamCount::refused, "the image is empty");
     }
-    const DepthFrame frame{*at_capture, std::move(shared)};
+    frame.stamp = *at_capture;
     if (!ranges_.depth.image || frame.stamp >= ranges_.depth.stamp) ranges_.depth = frame;
-    put(SensorStream::kDepth, frame);
+    put(SensorStream::kDepth, std::move(frame));
   }
   came_.notify_one();
 }
 
 void SensorInbox::scan(double stamp, DepthScan in_B, std::shared_ptr<const Pose> pose) {
-  auto shared = std::make_shared<const DepthScan>(std::move(in_B));
+  add(ScanFrame{stamp, std::make_shared<const DepthScan>(std::move(in_B)), std::move(pose)});
+}
+
+void SensorInbox::add(ScanFrame frame) {
   {
     const std::lock_guard lock(mutex_);
-    const std::optional<double> at_capture = shifted(SensorStream::kScan, stamp);
+    const std::optional<double> at_capture = shifted(SensorStream::kScan, frame.stamp);
     if (!at_capture) return;
-    const ScanFrame frame{*at_capture, std::move(shared), std::move(pose)};
+    if (!frame.in_B) {
+      return drop(at(SensorStream::kScan).count, &StreamCount::refused, "the scan is empty");
+    }
+    frame.stamp = *at_capture;
     if (!ranges_.scan.in_B || frame.stamp >= ranges_.scan.stamp) ranges_.scan = frame;
-    put(SensorStream::kScan, frame);
+    put(SensorStream::kScan, std::move(frame));
   }
   came_.notify_one();
 }

@@ -13,21 +13,16 @@
 #include <string>
 #include <string_view>
 #include <utility>
-#include <variant>
 
 #include "models/image.h"
-#include "models/types.h"
-#include "perception/fusion/wheel_fusion.h"
-#include "perception/mapping/depth_image.h"
-#include "perception/mapping/occupancy_mapper.h"
-#include "perception/pipeline/perception_pipeline.h"
 #include "runtime/clock.h"
 #include "runtime/clock_offset.h"
+#include "runtime/frame_sink.h"
+#include "runtime/sensor_frame.h"
 
 namespace prospect {
 
 class Knobs;
-struct Belief;
 
 /// Where frames come from. Left and right are the images of a stereo camera that come one by one.
 enum class SensorStream { kLeft, kRight, kPair, kWheels, kDepth, kScan };
@@ -39,39 +34,12 @@ std::string_view to_string(SensorStream stream);
 struct CameraContent {
   CameraContent() = default;
   CameraContent(Image picture) : image(std::make_shared<const Image>(std::move(picture))) {}
+  CameraContent(std::shared_ptr<const Image> picture) : image(std::move(picture)) {}
   CameraContent(std::shared_ptr<const Belief> made) : estimate(std::move(made)) {}
 
   std::shared_ptr<const Image> image;
   std::shared_ptr<const Belief> estimate;
 };
-
-/// A stereo pair; the images are shared, not copied.
-struct StereoFrame {
-  double left_stamp = 0.0, right_stamp = 0.0;  ///< [s]
-  std::shared_ptr<const Image> left, right;
-};
-/// A stereo pair of cameras that are a model.
-struct EstimateFrame {
-  double stamp = 0.0;  ///< [s], of the left one
-  /// Pose, motion, localization and landmarks are what it tells; stamps are those of its making.
-  std::shared_ptr<const Belief> belief;
-};
-struct DepthFrame {
-  double stamp = 0.0;  ///< [s]
-  std::shared_ptr<const DepthImage> image;
-};
-struct ScanFrame {
-  double stamp = 0.0;                     ///< [s]
-  std::shared_ptr<const DepthScan> in_B;  ///< origin and points in B [m]
-  std::shared_ptr<const Pose> pose{};  ///< B's then, of a sensor that tells it; null: it does not
-};
-
-/// One input of perception. Stamps are in the runtime's clock.
-using SensorFrame = std::variant<StereoFrame, WheelSample, DepthFrame, ScanFrame, EstimateFrame>;
-/// Of the left image of a pair.
-double stamp_of(const SensorFrame& frame);
-/// Hands it to perception; the result is perception's, which refuses an estimate.
-InputResult feed(PerceptionPipeline& perception, const SensorFrame& frame);
 
 /// The newest raw ranges, for who looks at them without perception. Null: none has come so far.
 struct NewestRanges {
@@ -140,10 +108,12 @@ struct StreamCount {
 /// Thread-safety: any thread, but take() and wait() are for one. No lock is held for longer than a
 /// frame is moved. Never throws after construction; the constructor throws std::invalid_argument on
 /// options out of range.
-class SensorInbox {
+class SensorInbox final : public FrameSink {
  public:
   SensorInbox(const Clock& clock, const SensorInboxOptions& options);
 
+  /// A pair, wheel motion, ranges, or an estimate, which counts as both images of its pair.
+  void observe(const SensorFrame& frame) override;
   void left(double stamp, CameraContent content);
   void right(double stamp, CameraContent content);
   void pair(double left_stamp, double right_stamp, ImagePair images);
@@ -186,6 +156,9 @@ class SensorInbox {
   void pair_up(SensorStream stream);
   void put(SensorStream stream, SensorFrame frame);
   ClockOffset& offset_of(SensorStream stream);
+  void add(StereoFrame frame);
+  void add(DepthFrame frame);
+  void add(ScanFrame frame);
   static void drop(StreamCount& count, std::uint64_t StreamCount::*kind, const std::string& why);
 
   const Clock& clock_;

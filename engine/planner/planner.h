@@ -204,7 +204,7 @@ class Planner final : public Replanner {
 
   /// What the last step made besides its plan (planning_step.h). Never null; of nothing before the
   /// first step, and after one that failed or that had a belief that nothing can be planned from.
-  std::shared_ptr<const PlanningStep> step() const;
+  std::shared_ptr<const PlanningStep> step() const override;
   /// The entries of step(), which the next plan() replaces.
   std::shared_ptr<const GlobalPlan> global_plan() const override;
   std::shared_ptr<const Problem> problem() const;

@@ -12,6 +12,8 @@
 
 namespace prospect {
 
+struct PlanningStep;
+
 /// What a mission asks at each step: a plan from a belief. Planner is the one of this project; the
 /// frontier planners it is measured against are others.
 ///
@@ -27,6 +29,8 @@ class Replanner {
   virtual Plan plan(const Belief& belief) = 0;
   /// The frontiers at the last plan(); null before the first, and after one that met none.
   virtual std::shared_ptr<const GlobalPlan> global_plan() const = 0;
+  /// What the last plan() made besides (planning_step.h); null: it does not tell.
+  virtual std::shared_ptr<const PlanningStep> step() const { return nullptr; }
   /// What to do from the next plan() on. Returns "" if it is taken, else why not, and the task
   /// stays as it was.
   virtual std::string set_task(const Task& task) {

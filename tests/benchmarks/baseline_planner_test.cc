@@ -10,6 +10,7 @@
 #include "adapters/missions/config/configuration.h"
 #include "adapters/missions/run/exploration_run.h"
 #include "adapters/robots/simulator/simulator.h"
+#include "tests/adapters/record_observer.h"
 
 namespace prospect::baseline_planner_test {
 namespace {
@@ -47,11 +48,12 @@ TEST_P(EveryRule, ExploresTwoRoomsWithoutTouchingAnything) {
     return std::make_unique<BaselinePlanner>(GetParam(), c.robot, c.planner);
   };
   int standing = 0, longest_standing = 0;
-  options.on_step = [&](const StepRecord& step) {
+  test::RecordObserver observer([&](const StepRecord& step) {
     const bool stands = step.command.linear.norm() < 1e-3 && std::abs(step.command.yaw_rate) < 1e-3;
     standing = stands ? standing + 1 : 0;
     longest_standing = std::max(longest_standing, standing);
-  };
+  });
+  options.observers = std::ref(observer);
   options.keep_steps = false;
   const Summary s = run_exploration(two_rooms(), configuration(), options).record.summary;
   EXPECT_EQ(s.end, MissionEnd::kExplored);
@@ -72,7 +74,8 @@ TEST_P(EveryRule, TheSameMissionTwiceGivesTheSameBits) {
     options.make_planner = [](const Configuration& k) {
       return std::make_unique<BaselinePlanner>(GetParam(), k.robot, k.planner);
     };
-    options.on_step = [&](const StepRecord& step) { out.push_back(step.true_pose); };
+    test::RecordObserver observer([&](const StepRecord& step) { out.push_back(step.true_pose); });
+    options.observers = std::ref(observer);
     run_exploration(two_rooms(), c, options);
   }
   ASSERT_EQ(poses[0].size(), poses[1].size());

@@ -287,7 +287,7 @@ std::string mission_log(const std::string& path) {
       step.map_changes.resize(std::min<std::size_t>(step.map_changes.size(), 20));
       step.frontier_cells.resize(std::min<std::size_t>(step.frontier_cells.size(), 5));
       step.landmarks.resize(std::min<std::size_t>(step.landmarks.size(), 5));
-      if (step.step % 10 == 0) log.step(step);
+      if (step.step % 10 == 0) log.on_record(step, {});
     }
     log.finish(run);
   }

@@ -13,12 +13,13 @@
 
 #include "models/unicycle.h"
 #include "tests/engine/obstacle_worlds.h"
+#include "tests/runtime/step_observer.h"
 
 namespace prospect::mission_test {
 namespace {
 
 /// Moves exactly as commanded, in an open world whose map and localization a test may change.
-class FakeRobot final : public Robot {
+class FakeRobot final : public LockstepRobot {
  public:
   explicit FakeRobot(std::shared_ptr<const MotionModel> model) : model_(std::move(model)) {
     belief = test::ObstacleWorld().belief();
@@ -138,6 +139,15 @@ class Mission : public ::testing::Test {
   Guard guard_{model_, CylinderShape{}, certificate()};
   MissionOptions options_;
 
+  MissionResult run(const test::StepObserver::Function& observe,
+                    const std::function<bool()>& cancelled = {},
+                    DriveRequests* requests = nullptr) {
+    test::StepObserver observer(observe);
+    MissionOptions options = options_;
+    options.observers = {&observer};
+    options.cancelled = cancelled;
+    return run_mission(robot_, planner_, guard_, options, requests);
+  }
   void expect_stopped() {
     ASSERT_FALSE(robot_.commands.empty());
     EXPECT_EQ(robot_.commands.back().linear.norm(), 0.0);
@@ -148,14 +158,13 @@ class Mission : public ::testing::Test {
 TEST_F(Mission, EndsWhenNothingIsLeftToExplore) {
   planner_.steps = 3;
   std::vector<int> indices;
-  const MissionResult result =
-      run_mission(robot_, planner_, guard_, options_, [&](const MissionStep& step) {
-        indices.push_back(step.index);
-        EXPECT_NE(step.plan, nullptr);
-        EXPECT_NE(step.belief, nullptr);
-        EXPECT_NE(step.global_plan, nullptr);
-        EXPECT_NEAR(step.time, 0.5 * step.index, 1e-9);
-      });
+  const MissionResult result = run([&](const MissionStep& step) {
+    indices.push_back(step.index);
+    EXPECT_NE(step.plan, nullptr);
+    EXPECT_NE(step.belief, nullptr);
+    EXPECT_NE(step.global_plan, nullptr);
+    EXPECT_NEAR(step.time, 0.5 * step.index, 1e-9);
+  });
   EXPECT_EQ(result.end, MissionEnd::kExplored);
   EXPECT_EQ(result.steps, 4);
   EXPECT_EQ(indices, (std::vector<int>{0, 1, 2, 3}));
@@ -388,14 +397,14 @@ TEST_F(Mission, DegradedIsNotLost) {
 }
 
 TEST_F(Mission, EndsWhenCancelled) {
-  const MissionResult result =
-      run_mission(robot_, planner_, guard_, options_, {}, [&] { return planner_.plans >= 2; });
+  const MissionResult result = run({}, [&] { return planner_.plans >= 2; });
   EXPECT_EQ(result.end, MissionEnd::kCancelled);
   EXPECT_EQ(result.steps, 2);
   expect_stopped();
   // Before the first plan, too.
   FakeRobot another(model_);
-  EXPECT_EQ(run_mission(another, planner_, guard_, options_, {}, [] { return true; }).steps, 0);
+  options_.cancelled = [] { return true; };
+  EXPECT_EQ(run_mission(another, planner_, guard_, options_).steps, 0);
   EXPECT_EQ(another.commands.size(), 1u);
 }
 
@@ -403,8 +412,7 @@ TEST_F(Mission, EndsWhenCancelled) {
 TEST_F(Mission, APlanThatWasCutShortIsNoStep) {
   int observed = 0;
   planner_.cut_short_at = 3;
-  const MissionResult result =
-      run_mission(robot_, planner_, guard_, options_, [&](const MissionStep&) { ++observed; });
+  const MissionResult result = run([&](const MissionStep&) { ++observed; });
   EXPECT_EQ(result.end, MissionEnd::kCancelled);
   EXPECT_EQ(planner_.plans, 3);
   EXPECT_EQ(result.steps, 2);
@@ -431,8 +439,7 @@ TEST_F(Mission, WaitsForPeopleAndGoesOnWithItsTaskAfterADetour) {
     }
     return false;
   };
-  const MissionResult result = run_mission(
-      robot_, planner_, guard_, options_,
+  const MissionResult result = run(
       [&](const MissionStep& step) {
         ++steps;
         if (step.index == 1) requests.hold();
@@ -466,8 +473,7 @@ TEST_F(Mission, AnEmergencyStopIsAcknowledgedAtRestOnly) {
     if (++observed == 3) requests.acknowledge();
     return observed > 10;
   };
-  const MissionResult result = run_mission(
-      robot_, planner_, guard_, options_,
+  const MissionResult result = run(
       [&](const MissionStep& step) {
         if (step.index == 3) {
           EXPECT_GT(step.belief->twist.linear.x(), 0.0);
@@ -508,13 +514,11 @@ TEST_F(Mission, AGuardStopBreaksTheCommittedPart) {
   };
   std::vector<int> stops;
   std::vector<std::size_t> commands_before;
-  const MissionResult result =
-      run_mission(robot_, planner_, guard_, options_, [&](const MissionStep& step) {
-        stops.push_back(step.guard_stops);
-        EXPECT_EQ(step.guard_reason,
-                  step.guard_stops > 0 ? GuardReason::kMap : GuardReason::kPassed);
-        commands_before.push_back(robot_.commands.size());
-      });
+  const MissionResult result = run([&](const MissionStep& step) {
+    stops.push_back(step.guard_stops);
+    EXPECT_EQ(step.guard_reason, step.guard_stops > 0 ? GuardReason::kMap : GuardReason::kPassed);
+    commands_before.push_back(robot_.commands.size());
+  });
   EXPECT_EQ(result.end, MissionEnd::kExplored);
   // The first plan of four stages ended after the third command, a braking one.
   ASSERT_GE(commands_before.size(), 2u);
@@ -549,10 +553,9 @@ TEST_F(Mission, CountsFallbacks) {
 }
 
 TEST_F(Mission, AThrowingObserverStopsTheRobotFirst) {
-  EXPECT_THROW(run_mission(robot_, planner_, guard_, options_,
-                           [](const MissionStep& step) {
-                             if (step.index == 2) throw std::runtime_error("disk full");
-                           }),
+  EXPECT_THROW(run([](const MissionStep& step) {
+                 if (step.index == 2) throw std::runtime_error("disk full");
+               }),
                std::runtime_error);
   EXPECT_EQ(robot_.commands.size(), 5u);
   EXPECT_GT(robot_.commands[3].linear.x(), 0.0);
@@ -588,7 +591,10 @@ TEST_F(Mission, ComesToRestWithinTheRates) {
       if (standard) throw std::runtime_error("disk full");
       throw 7;
     };
-    EXPECT_ANY_THROW(run_mission(robot, planner, guard_, options_, fail));
+    test::StepObserver observer(fail);
+    MissionOptions options = options_;
+    options.observers = {&observer};
+    EXPECT_ANY_THROW(run_mission(robot, planner, guard_, options));
     expect_braked(robot, 6);
   }
 
@@ -605,7 +611,8 @@ TEST_F(Mission, ABaseThatCannotStopDoesNotHoldTheMission) {
   const auto model = std::make_shared<Unicycle>(Unicycle::Parameters{.a_max = 1e-4});
   const Guard guard(model, CylinderShape{}, certificate());
   robot_.belief.twist.linear.x() = 0.4;
-  run_mission(robot_, planner_, guard, options_, {}, [] { return true; });
+  options_.cancelled = [] { return true; };
+  run_mission(robot_, planner_, guard, options_);
   EXPECT_EQ(robot_.commands.size(), 100u);
 }
 

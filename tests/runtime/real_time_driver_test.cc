@@ -17,6 +17,7 @@
 #include "tests/engine/obstacle_worlds.h"
 #include "tests/runtime/fake_base.h"
 #include "tests/runtime/patient_guard.h"
+#include "tests/runtime/step_observer.h"
 
 namespace prospect::real_time_driver_test {
 namespace {
@@ -117,6 +118,14 @@ class RealTimeDriverTest : public ::testing::Test {
             .failed_preflight = "",
             .yaw_checked = true};
   }
+  static MissionResult run(RealTimeDriver& driver, const test::StepObserver::Function& observe,
+                           const std::function<bool()>& cancelled = {}) {
+    test::StepObserver observer(observe);
+    MissionOptions mission;
+    mission.observers = {&observer};
+    mission.cancelled = cancelled;
+    return driver.run(mission);
+  }
   /// The fastest command sent in that time.
   double fastest(double from, double until) const {
     double speed = 0.0;
@@ -144,7 +153,7 @@ TEST_F(RealTimeDriverTest, DrivesUntilTheTaskIsOverAndStands) {
   robot.preflight = {{"floor", CheckVerdict::kPassed, "0.45 m"}};
   RealTimeDriver driver(robot, options_);
   int observed = 0;
-  const MissionResult result = driver.run({}, [&](const MissionStep& step) {
+  const MissionResult result = run(driver, [&](const MissionStep& step) {
     EXPECT_EQ(step.index, observed++);
     EXPECT_GE(step.plan->stamp, step.belief->stamp);
   });
@@ -227,7 +236,7 @@ TEST_F(RealTimeDriverTest, AnEmergencyStopLatchesUntilItIsAcknowledged) {
     wait_for([&] { return base_.velocity().linear.x() > 0.1; });
     cancelled = true;
   });
-  const MissionResult result = driver.run({}, {}, [&] { return cancelled.load(); });
+  const MissionResult result = run(driver, {}, [&] { return cancelled.load(); });
   EXPECT_EQ(result.end, MissionEnd::kCancelled);
   EXPECT_EQ(base_.velocity().linear.norm(), 0.0);
   // The command that is under way may still come; none after it.
@@ -284,7 +293,7 @@ TEST_F(RealTimeDriverTest, AnEmergencyStopThatNobodyCouldPressKeepsItStandingAnd
     wait_for("acknowledged", [&] { return base_.velocity().linear.x() > 0.1; });
     cancelled = true;
   });
-  EXPECT_EQ(driver.run({}, {}, [&] { return cancelled.load(); }).end, MissionEnd::kCancelled);
+  EXPECT_EQ(run(driver, {}, [&] { return cancelled.load(); }).end, MissionEnd::kCancelled);
   bool named = false;
   for (const Event& event : driver.events().since(0).events) {
     named = named || (event.cause == "emergency stop silent" &&
@@ -348,16 +357,16 @@ TEST_F(RealTimeDriverTest, PeopleHoldStopAndSendItByRequestsOfTheirOwn) {
     expect_slower_after(pressed);
     cancelled = true;
   });
-  EXPECT_EQ(driver.run({}, {}, [&] { return cancelled.load(); }).end, MissionEnd::kCancelled);
+  EXPECT_EQ(run(driver, {}, [&] { return cancelled.load(); }).end, MissionEnd::kCancelled);
 }
 
 TEST_F(RealTimeDriverTest, WhatAnObserverThrowsComesAfterTheRobotStands) {
   RealTimeDriver driver(parts(), options_);
   int observed = 0;
-  EXPECT_THROW(driver.run({},
-                          [&](const MissionStep&) {
-                            if (++observed == 5) throw std::runtime_error("full disk");
-                          }),
+  EXPECT_THROW(run(driver,
+                   [&](const MissionStep&) {
+                     if (++observed == 5) throw std::runtime_error("full disk");
+                   }),
                std::runtime_error);
   EXPECT_EQ(base_.velocity().linear.norm(), 0.0);
 }

@@ -15,6 +15,43 @@ MissionSet default_missions() {
 
 MissionSet quick_missions() { return {{"office", "loop", "plan:1"}, 1, 10, 12, 3}; }
 
+namespace {
+
+/// Takes the problems that are wanted of a mission.
+class ProblemCapture final : public RunObserver {
+ public:
+  ProblemCapture(const MissionSet& missions, const std::string& world, const CaptureWatch& watch,
+                 const std::function<void(const SavedProblem&)>& take, int& taken)
+      : missions_(missions), world_(world), watch_(watch), take_(take), taken_(taken) {}
+
+  void on_step(const MissionStep& step) override {
+    done_ = step.index + 1;
+    if (watch_.progress) {
+      watch_.progress("driving in " + world_ + ": step " + std::to_string(step.index) + " of " +
+                      std::to_string(last()) + ", problems so far: " + std::to_string(taken_));
+    }
+    const int since = step.index - missions_.first;
+    if (since < 0 || since % missions_.every != 0 || step.index > last()) return;
+    const auto saved = planned_problem(step, world_, missions_.seed);
+    if (!saved) return;
+    take_(*saved);
+    ++taken_;
+  }
+  bool over() const { return done_ > last(); }
+
+ private:
+  int last() const { return missions_.first + (missions_.problems - 1) * missions_.every; }
+
+  const MissionSet& missions_;
+  const std::string& world_;
+  const CaptureWatch& watch_;
+  const std::function<void(const SavedProblem&)>& take_;
+  int& taken_;
+  int done_ = 0;
+};
+
+}  // namespace
+
 bool capture_missions(const MissionSet& missions, const Configuration& configuration,
                       const Registries& registries,
                       const std::function<void(const SavedProblem&)>& take,
@@ -25,29 +62,15 @@ bool capture_missions(const MissionSet& missions, const Configuration& configura
     worlds.push_back(
         std::make_shared<const World>(load_world(name, world_options_for(configuration))));
   }
-  const int last = missions.first + (missions.problems - 1) * missions.every;
   int taken = 0;
   for (const auto& world : worlds) {
-    int done = 0;
+    ProblemCapture capture(missions, world->name, watch, take, taken);
     ExplorationRunOptions options;
     options.seed = missions.seed;
     options.keep_steps = false;
     options.solvers = &registries.solvers;
-    options.on_plan = [&](const StepRecord& record, const Planner& planner) {
-      done = record.step + 1;
-      if (watch.progress) {
-        watch.progress("driving in " + world->name + ": step " + std::to_string(record.step) +
-                       " of " + std::to_string(last) +
-                       ", problems so far: " + std::to_string(taken));
-      }
-      const int since = record.step - missions.first;
-      if (since < 0 || since % missions.every != 0 || record.step > last) return;
-      const auto saved = planned_problem(planner, record, world->name, missions.seed);
-      if (!saved) return;
-      take(*saved);
-      ++taken;
-    };
-    options.cancelled = [&] { return done > last || cancelled(); };
+    options.observers = [&](const Configuration&) { return std::vector<RunObserver*>{&capture}; };
+    options.cancelled = [&] { return capture.over() || cancelled(); };
     run_exploration(world, configuration, options);
     if (cancelled()) return false;
   }

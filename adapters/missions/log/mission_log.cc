@@ -1,9 +1,12 @@
 #include "adapters/missions/log/mission_log.h"
 
 #include <utility>
+#include <variant>
 
 #include "adapters/formats/datasets/mission_topics.h"
 #include "adapters/missions/run/summary.h"
+#include "runtime/health_report.h"
+#include "runtime/real_time_driver.h"
 
 namespace prospect {
 namespace {
@@ -28,6 +31,7 @@ McapWriter::Fields fields_of(const RunStart& s) {
 MissionLog::MissionLog(const std::string& path, const RunStart& start,
                        const MissionLogOptions& options)
     : images_(options.images),
+      calls_(options.calls),
       path_(path),
       log_(path, mission_channels(), options.file),
       messages_(options.messages,
@@ -38,23 +42,42 @@ MissionLog::MissionLog(const std::string& path, const RunStart& start,
   messages_.fixed();
 }
 
-void MissionLog::belief(const Belief& belief) { messages_.belief(belief); }
-void MissionLog::command(double time, const Twist& command) { messages_.command(time, command); }
-void MissionLog::step(const StepRecord& step) { messages_.step(step); }
-void MissionLog::planner_call(double time, const PlannerCall& call) {
-  messages_.planner_call(time, call);
+void MissionLog::on_frame(const SensorFrame& frame) {
+  if (const auto* scan = std::get_if<ScanFrame>(&frame)) {
+    if (scan->in_B) messages_.scan(scan->stamp, *scan->in_B);
+  } else if (const auto* wheels = std::get_if<WheelSample>(&frame)) {
+    messages_.wheels(*wheels);
+  } else if (const auto* pair = std::get_if<StereoFrame>(&frame); pair && images_) {
+    if (pair->left && pair->right) messages_.pair(pair->left_stamp, *pair->left, *pair->right);
+  } else if (const auto* depth = std::get_if<DepthFrame>(&frame); depth && images_) {
+    if (depth->image) messages_.depth(depth->stamp, *depth->image);
+  }
 }
-void MissionLog::events(const std::vector<Event>& events) { messages_.events(events); }
-void MissionLog::status(double time, const DriverStatus& status) {
-  messages_.status(time, status, "log", dropped_text(log_.counts()));
+
+void MissionLog::on_belief(const Belief& belief) { messages_.belief(belief); }
+
+void MissionLog::on_prepare(const Belief& belief) {
+  if (calls_) messages_.planner_call(asked_ = belief.stamp, writer_.prepare(belief));
 }
-void MissionLog::scan(double time, const DepthScan& in_B) { messages_.scan(time, in_B); }
-void MissionLog::wheels(const WheelSample& wheels) { messages_.wheels(wheels); }
-void MissionLog::pair(double time, const ImagePair& pair) {
-  if (images_) messages_.pair(time, pair);
+void MissionLog::on_plan(const Belief& belief) {
+  if (calls_) messages_.planner_call(asked_ = belief.stamp, writer_.plan(belief));
 }
-void MissionLog::depth(double time, const DepthImage& image) {
-  if (images_) messages_.depth(time, image);
+void MissionLog::on_planned(const Plan& plan) {
+  if (calls_) messages_.planner_call(asked_, writer_.planned(plan));
+}
+void MissionLog::on_task(const Task& task) {
+  if (calls_) messages_.planner_call(asked_, writer_.task(task));
+}
+
+void MissionLog::on_record(const StepRecord& record, const MissionStep&) { messages_.step(record); }
+void MissionLog::on_command(double time, const Twist& command) { messages_.command(time, command); }
+void MissionLog::on_events(std::span<const Event> events) { messages_.events(events); }
+
+void MissionLog::on_status(const DriverStatus& status, const HealthReport& health) {
+  constexpr double kEvery = 1.0;  // [s]
+  if (health.stamp - status_ < kEvery) return;
+  status_ = health.stamp;
+  messages_.status(status_, status, "log", dropped_text(log_.counts()));
 }
 
 void MissionLog::finish(const RunRecord& record) {

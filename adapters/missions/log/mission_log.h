@@ -1,25 +1,23 @@
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
 #include "adapters/formats/bags/mcap_log.h"
 #include "adapters/missions/log/mission_messages.h"
+#include "adapters/missions/log/planner_calls.h"
+#include "adapters/missions/run/run_observer.h"
 #include "adapters/missions/run/run_record.h"
 #include "adapters/missions/run/run_start.h"
-#include "engine/maps/belief.h"
-#include "models/image.h"
-#include "perception/fusion/wheel_fusion.h"
-#include "perception/mapping/depth_image.h"
-#include "perception/mapping/occupancy_mapper.h"
-#include "runtime/event_log.h"
-#include "runtime/real_time_driver.h"
 
 namespace prospect {
 
 struct MissionLogOptions {
   MissionMessageOptions messages;
   bool images = false;  ///< of cameras, too
+  /// The calls of the planner, too, by which a drive is repeated: one in lockstep is by its seed.
+  bool calls = false;
   McapLogOptions file;
 };
 
@@ -27,22 +25,22 @@ struct MissionLogOptions {
 /// believed, planned and commanded, what happened, and what it takes to make the run again. A kill
 /// leaves all that was written so far readable.
 ///
-/// Thread-safety: each function may be called by one thread at a time, different ones at the same
-/// time. None waits for the disk unless the options say so (McapLogOptions::wait). Nothing throws.
-class MissionLog {
+/// Thread-safety: as MissionObserver. None waits for the disk unless the options say so
+/// (McapLogOptions::wait). Nothing throws.
+class MissionLog final : public RunObserver {
  public:
   MissionLog(const std::string& path, const RunStart& start, const MissionLogOptions& options);
 
-  void belief(const Belief& belief);
-  void command(double time, const Twist& command);
-  void step(const StepRecord& step);
-  void planner_call(double time, const PlannerCall& call);  ///< all by one thread, in their order
-  void events(const std::vector<Event>& events);
-  void status(double time, const DriverStatus& status);
-  void scan(double time, const DepthScan& in_B);
-  void wheels(const WheelSample& wheels);
-  void pair(double time, const ImagePair& pair);     ///< nothing without `images`
-  void depth(double time, const DepthImage& image);  ///< likewise
+  void on_frame(const SensorFrame& frame) override;  ///< images only with `images`
+  void on_belief(const Belief& belief) override;
+  void on_prepare(const Belief& belief) override;
+  void on_plan(const Belief& belief) override;
+  void on_planned(const Plan& plan) override;
+  void on_task(const Task& task) override;
+  void on_record(const StepRecord& record, const MissionStep& step) override;
+  void on_command(double time, const Twist& command) override;
+  void on_events(std::span<const Event> events) override;
+  void on_status(const DriverStatus& status, const HealthReport& health) override;
 
   /// The results, and the end of the file.
   void finish(const RunRecord& record);
@@ -53,10 +51,14 @@ class MissionLog {
   std::string error() const { return log_.error(); }
 
  private:
-  const bool images_;
+  const bool images_, calls_;
   const std::string path_;
   McapLog log_;
   MissionMessages messages_;
+  // Of the planner's thread: the time of a plan and of a task is that of the belief before it.
+  PlannerCallWriter writer_;
+  double asked_ = 0.0;   // [s]
+  double status_ = 0.0;  // [s] of the newest
 };
 
 }  // namespace prospect

@@ -238,7 +238,7 @@ void MissionMessages::step(const StepRecord& step) {
   put_(kStep, now, ros::to_cdr(step_values(step, now)));
 }
 
-void MissionMessages::events(const std::vector<Event>& events) {
+void MissionMessages::events(std::span<const Event> events) {
   for (const Event& event : events) {
     const std::int64_t now = ns(event.last_stamp);
     ros::Log message;
@@ -299,7 +299,7 @@ void MissionMessages::wheels(const WheelSample& wheels) {
   put_(kWheels, now, ros::to_cdr(message));
 }
 
-void MissionMessages::pair(double time, const ImagePair& pair) {
+void MissionMessages::pair(double time, const Image& left, const Image& right) {
   const std::int64_t now = ns(time);
   const auto put = [&](Topic image_topic, Topic info_topic, const char* frame, const Image& image,
                        double baseline) {
@@ -309,8 +309,8 @@ void MissionMessages::pair(double time, const ImagePair& pair) {
                      image.pixels.size()));
     put_(info_topic, now, ros::to_cdr(info_of(options_.robot.stereo.left, baseline, header)));
   };
-  put(kLeft, kLeftInfo, kLeftCamera, pair.left, 0.0);
-  put(kRight, kRightInfo, kRightCamera, pair.right, options_.robot.stereo.baseline);
+  put(kLeft, kLeftInfo, kLeftCamera, left, 0.0);
+  put(kRight, kRightInfo, kRightCamera, right, options_.robot.stereo.baseline);
 }
 
 void MissionMessages::depth(double time, const DepthImage& image) {

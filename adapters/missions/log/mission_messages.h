@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -52,12 +53,12 @@ class MissionMessages {
   void belief(const Belief& belief);
   void command(double time, const Twist& command);
   void step(const StepRecord& step);
-  void events(const std::vector<Event>& events);
+  void events(std::span<const Event> events);
   /// dropped: what of these messages was dropped, in words; who: where they go.
   void status(double time, const DriverStatus& status, const char* who, const std::string& dropped);
   void scan(double time, const DepthScan& in_B);
   void wheels(const WheelSample& wheels);
-  void pair(double time, const ImagePair& pair);
+  void pair(double time, const Image& left, const Image& right);
   void depth(double time, const DepthImage& image);
   void picture(double time, const LandmarkPicture& picture);
   void planner_call(double time, const PlannerCall& call);

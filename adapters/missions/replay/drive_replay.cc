@@ -21,7 +21,6 @@
 #include "adapters/missions/log/logged_run.h"
 #include "adapters/missions/log/planner_calls.h"
 #include "adapters/missions/run/run_recorder.h"
-#include "adapters/missions/run/unmeasured.h"
 #include "engine/planner/planner.h"
 #include "models/range_text.h"
 #include "solvers/registry.h"
@@ -99,7 +98,7 @@ std::map<int, const StepRecord*> by_number(const RunRecord& record) {
 }
 
 /// A planner that is asked as the recorded one was, a call at a time.
-class PlannerAskedAgain {
+class PlannerAskedAgain final : public RunObserver {
  public:
   /// What comes of it goes into `result`, whose record is that of the log. All outlive this.
   PlannerAskedAgain(const Configuration& configuration, const Registries& registries,
@@ -108,9 +107,9 @@ class PlannerAskedAgain {
         result_(result),
         recorded_(by_number(result.replay.record)),
         planner_(configuration.robot, configuration.planner,
-                 registries.solvers.make(configuration.solver)) {
-    observed_.on_step = [this](const StepRecord& step) { made_ = step; };
-    recorder_.emplace(configuration, observed_, &planner_);
+                 registries.solvers.make(configuration.solver)),
+        recorder_(configuration) {
+    recorder_.watched_by({this});
   }
   PlannerAskedAgain(const PlannerAskedAgain&) = delete;
   PlannerAskedAgain& operator=(const PlannerAskedAgain&) = delete;
@@ -145,6 +144,7 @@ class PlannerAskedAgain {
   }
 
  private:
+  void on_record(const StepRecord& record, const MissionStep&) override { made_ = record; }
   void plan(const Belief& belief) {
     plan_ = planner_.plan(belief);
     ++step_;
@@ -159,8 +159,9 @@ class PlannerAskedAgain {
                             &plan_,
                             global_plan.get(),
                             0,
-                            GuardReason::kPassed};
-    recorder_->add(shown, unmeasured_.at(shown));
+                            GuardReason::kPassed,
+                            planner_.step()};
+    recorder_.on_step(shown);
     if (options_.progress) options_.progress(made_);
     if (recorded && step_ >= options_.from) result_.replay.steps.push_back({*recorded, made_});
   }
@@ -177,9 +178,7 @@ class PlannerAskedAgain {
   DriveReplay& result_;
   const std::map<int, const StepRecord*> recorded_;
   Planner planner_;
-  ExplorationRunOptions observed_;
-  std::optional<RunRecorder> recorder_;
-  Unmeasured unmeasured_;
+  RunRecorder recorder_;
   PlannerCallReader reader_;
   Plan plan_;
   StepRecord made_;  ///< what the recorder makes of it

@@ -57,70 +57,100 @@ double apart(const ReplayedStep& step) {
   return difference.norm();
 }
 
+/// Compares the steps of a mission that is driven again with the recorded rows, and asks another
+/// planner beside it, whose plans are not driven.
+class Comparison final : public RunObserver {
+ public:
+  Comparison(const RecordedRun& recorded, const Configuration& other, const ReplayOptions& options,
+             Replay& replay)
+      : recorded_(recorded),
+        options_(options),
+        replay_(replay),
+        beside_(other.robot, other.planner,
+                options.solvers ? options.solvers->make(other.solver) : make_solver(other.solver)),
+        other_recorder_(other, recorded.seed) {
+    other_recorder_.watched_by({&other_record_});
+  }
+
+  void on_plan(const Belief& belief) override { other_plan_ = beside_.plan(belief); }
+  void on_task(const Task& task) override { beside_.set_task(task); }
+  void on_record(const StepRecord& record, const MissionStep& step) override {
+    if (step.index >= options_.from) {
+      MissionStep beside = step;
+      const std::shared_ptr<const GlobalPlan> global_plan = beside_.global_plan();
+      beside.plan = &other_plan_;
+      beside.global_plan = global_plan.get();
+      beside.made = beside_.step();
+      other_recorder_.on_step(beside);
+    }
+    compare(record);
+    past_ = record.step >= options_.to;
+    if (!parted_ && record.step >= options_.from && record.step <= options_.to) {
+      replay_.steps.push_back({record, other_record_.newest});
+    }
+    if (options_.progress) options_.progress(record);
+  }
+  bool over() const {
+    return past_ || parted_ || (!recorded_.log && compared_ >= recorded_.rows.size());
+  }
+
+ private:
+  struct NewestRecord final : public RunObserver {
+    void on_record(const StepRecord& record, const MissionStep&) override { newest = record; }
+    StepRecord newest;
+  };
+
+  void compare(const StepRecord& step) {
+    if (!columns_.empty()) return row_is(step);
+    first_.push_back(step);
+    columns_ = step_columns({step});
+    if (columns_.empty()) return;
+    for (const StepRecord& s : first_) row_is(s);
+    first_.clear();
+  }
+  void row_is(const StepRecord& s) {
+    std::string row = step_row(s, columns_);
+    row.pop_back();
+    if (compared_ < recorded_.rows.size() && recorded_.rows[compared_] == row) {
+      ++compared_;
+      return;
+    }
+    if (parted_ || recorded_.log) return;
+    RecordedRun until = recorded_;
+    until.rows = {compared_ < recorded_.rows.size() ? recorded_.rows[compared_] : ""};
+    std::string header = step_header(columns_);
+    header.pop_back();
+    replay_.difference = first_difference(until, header, {row});
+    replay_.difference.step = s.step;
+    parted_ = true;
+  }
+
+  const RecordedRun& recorded_;
+  const ReplayOptions& options_;
+  Replay& replay_;
+  Planner beside_;
+  Plan other_plan_;
+  NewestRecord other_record_;
+  RunRecorder other_recorder_;
+  bool parted_ = false, past_ = false;
+  StepColumns columns_;
+  std::vector<StepRecord> first_;  // before the columns of steps.csv are known
+  std::size_t compared_ = 0;
+};
+
 }  // namespace
 
 Replay replay_beside(const RecordedRun& recorded, const std::shared_ptr<const World>& world,
                      const Configuration& configuration, const Configuration& other,
                      const ReplayOptions& options) {
   Replay replay;
+  Comparison comparison(recorded, other, options, replay);
   ExplorationRunOptions driven;
   driven.seed = recorded.seed;
   driven.solvers = options.solvers;
-  Planner beside(other.robot, other.planner,
-                 options.solvers ? options.solvers->make(other.solver) : make_solver(other.solver));
-  driven.beside = &beside;
-
-  ExplorationRunOptions observed;
-  observed.seed = recorded.seed;
-  StepRecord other_step;
-  observed.on_step = [&](const StepRecord& step) { other_step = step; };
-  RunRecorder other_recorder(other, observed, &beside);
-  driven.on_beside = [&](const MissionStep& step, const SimulatedTruth& truth) {
-    if (step.index >= options.from) other_recorder.add(step, truth);
-  };
-  bool parted = false, past = false;
-  StepColumns columns;
-  std::vector<StepRecord> first;  // before the columns of steps.csv are known
-  std::size_t compared = 0;
-  const auto compare = [&](const StepRecord& step) {
-    const auto row_is = [&](const StepRecord& s) {
-      std::string row = step_row(s, columns);
-      row.pop_back();
-      if (compared < recorded.rows.size() && recorded.rows[compared] == row) {
-        ++compared;
-        return;
-      }
-      if (parted || recorded.log) return;
-      RecordedRun until = recorded;
-      until.rows = {compared < recorded.rows.size() ? recorded.rows[compared] : ""};
-      std::string header = step_header(columns);
-      header.pop_back();
-      replay.difference = first_difference(until, header, {row});
-      replay.difference.step = s.step;
-      parted = true;
-    };
-    if (columns.empty()) {
-      first.push_back(step);
-      columns = step_columns({step});
-      if (columns.empty()) return;
-      for (const StepRecord& s : first) row_is(s);
-      first.clear();
-      return;
-    }
-    row_is(step);
-  };
-  driven.on_step = [&](const StepRecord& step) {
-    compare(step);
-    past = step.step >= options.to;
-    // on_beside comes before it.
-    if (!parted && step.step >= options.from && step.step <= options.to) {
-      replay.steps.push_back({step, other_step});
-    }
-    if (options.progress) options.progress(step);
-  };
+  driven.observers = [&](const Configuration&) { return std::vector<RunObserver*>{&comparison}; };
   driven.cancelled = [&] {
-    const bool all_driven = !recorded.log && compared >= recorded.rows.size();
-    return past || parted || all_driven || (options.cancelled && options.cancelled());
+    return comparison.over() || (options.cancelled && options.cancelled());
   };
   replay.record = run_exploration(world, configuration, driven).record;
   return replay;

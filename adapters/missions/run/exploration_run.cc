@@ -13,104 +13,16 @@
 #include "adapters/formats/worlds/octree_file.h"
 #include "adapters/missions/run/live_mission.h"
 #include "adapters/missions/run/run_recorder.h"
-#include "adapters/robots/faults/faulty_base.h"
-#include "adapters/robots/faults/faulty_disk.h"
-#include "adapters/robots/faults/faulty_frames.h"
-#include "adapters/robots/faults/faulty_replanner.h"
-#include "adapters/robots/simulator/camera_rig.h"
-#include "adapters/robots/simulator/simulated_base.h"
-#include "adapters/robots/simulator/simulated_streams.h"
-#include "adapters/robots/simulator/simulator.h"
+#include "adapters/robots/simulator/make_robot.h"
 #include "engine/planner/frontier_planner_options.h"
-#include "engine/planner/planner.h"
 #include "engine/planner/planner_guard.h"
+#include "engine/planner/replanner.h"
 #include "engine/task/zone_map.h"
 #include "models/range_text.h"
-#include "runtime/clock.h"
 #include "runtime/mission.h"
-#include "runtime/range_check.h"
-#include "runtime/range_stop.h"
-#include "runtime/seen_floor.h"
-#include "runtime/sensor_inbox.h"
-#include "solvers/registry.h"
 
 namespace prospect {
 namespace {
-
-/// The simulator as a robot: commands in, beliefs out.
-class SimulatedRobot final : public Robot {
- public:
-  SimulatedRobot(Simulator& simulator, std::function<void(double, const Twist&)> on_command)
-      : simulator_(simulator), on_command_(std::move(on_command)) {}
-  std::shared_ptr<const Belief> sense() override { return simulator_.sense(); }
-  void apply(const Twist& command, double duration) override {
-    if (!(duration > 0.0)) return;
-    if (on_command_) on_command_(simulator_.time(), command);
-    simulator_.apply(command, duration);
-  }
-  double time() const override { return simulator_.time(); }
-
- private:
-  Simulator& simulator_;
-  std::function<void(double, const Twist&)> on_command_;
-};
-
-/// A planner that drives, and beside it one that is asked the same.
-class ReplannerPair final : public Replanner {
- public:
-  ReplannerPair(Replanner& drives, Replanner* beside) : drives_(drives), beside_(beside) {}
-  Plan plan(const Belief& belief) override {
-    if (beside_) beside_plan_ = beside_->plan(belief);
-    return drives_.plan(belief);
-  }
-  std::shared_ptr<const GlobalPlan> global_plan() const override { return drives_.global_plan(); }
-  std::optional<ReturnPath> return_path(const Belief& belief) const override {
-    return drives_.return_path(belief);
-  }
-  std::string set_task(const Task& task) override {
-    if (beside_) beside_->set_task(task);
-    return drives_.set_task(task);
-  }
-  const Plan& beside_plan() const { return beside_plan_; }
-
- private:
-  Replanner& drives_;
-  Replanner* beside_;
-  Plan beside_plan_;
-};
-
-/// The depth camera of the tier: that of the images, or one for the rays of a scan. None: what it
-/// sees is no image in perspective.
-std::optional<RangeCamera> range_camera(const Configuration& configuration) {
-  const RgbdFootprint& seen = configuration.robot.depth;
-  if (std::max(seen.horizontal_fov, seen.vertical_fov) >= M_PI) return std::nullopt;
-  const SimulatorOptions& simulator = configuration.simulator;
-  const CameraRigOptions& rig = simulator.camera.rig;
-  const bool images = simulator.sensors == Sensors::kCamera;
-  // Rays of a scan lie between pixels, by less in a finer image.
-  constexpr int kFiner = 4;
-  RangeCamera camera;
-  camera.camera = depth_camera(seen, images ? rig.depth_width : kFiner * simulator.depth.columns,
-                               images ? rig.depth_height : kFiner * simulator.depth.rows);
-  camera.mount = configuration.robot.depth_mount;
-  camera.range = {seen.min_range, seen.max_range};
-  return camera;
-}
-
-/// The hits of a scan as the camera would see them.
-DepthImage depth_image(const DepthScan& in_B, const RangeCamera& c) {
-  DepthImage image(static_cast<int>(c.camera.width), static_cast<int>(c.camera.height));
-  const Eigen::Isometry3d T_CB = c.mount.T_BC.inverse();
-  for (const Eigen::Vector3d& hit : in_B.hits) {
-    const Eigen::Vector3d p = T_CB * hit;
-    if (!(p.z() > 0.0)) continue;
-    const int u = static_cast<int>(std::lround(c.camera.cx + c.camera.fx * p.x() / p.z()));
-    const int v = static_cast<int>(std::lround(c.camera.cy + c.camera.fy * p.y() / p.z()));
-    if (u < 0 || u >= image.width || v < 0 || v >= image.height) continue;
-    image.at(u, v) = static_cast<float>(p.z());
-  }
-  return image;
-}
 
 std::shared_ptr<const octomap::OcTree> map_to_begin_with(const Configuration& configuration) {
   std::shared_ptr<const octomap::OcTree> map = read_octree(configuration.map);
@@ -230,89 +142,35 @@ ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
   check_start(*world, given);
   Configuration configuration = given;
   tell_extent(*world, configuration);
-  const std::unique_ptr<Replanner> planner = planner_for(configuration, options);
-  const Planner* own_planner = dynamic_cast<const Planner*>(planner.get());
   const ReachableArea reachable = told_area(reachable_area(*world, configuration), configuration);
-
-  Simulator simulator(world, simulator_options_for(configuration, options.seed),
-                      configuration.perception);
-  simulator.set_reachable(reachable.cells);
-  SimulatedRobot robot(simulator, options.taps.command);
-
+  SimulatedRobotConfiguration simulated{
+      .world = world,
+      .robot = configuration.robot,
+      .simulator = simulator_options_for(configuration, options.seed),
+      .perception = configuration.perception,
+      .reachable = reachable.cells};
   const Guard::Options limits = guard_limits_for(configuration);
-  const Guard guard = guard_for(configuration.robot, configuration.planner, limits);
-
-  ReplannerPair pair(*planner, options.real_time ? nullptr : options.beside);
-  ExplorationRunResult result;
-  RunRecorder recorder(configuration, options, own_planner);
-  const SteadyClock clock;
-  std::optional<SimulatedBase> base;  // in real time
-  std::optional<FaultyDisk> disk;     // likewise
-  const auto truth = [&] { return base ? base->truth() : truth_of(simulator); };
-  const auto observe = [&](const MissionStep& step) {
-    if (options.taps.belief && !base) options.taps.belief(*step.belief);
-    if (disk) disk->write();
-    if (options.beside && options.on_beside) {
-      MissionStep beside = step;
-      const std::shared_ptr<const GlobalPlan> global_plan = options.beside->global_plan();
-      beside.plan = &pair.beside_plan();
-      beside.global_plan = global_plan.get();
-      options.on_beside(beside, truth());
-    }
-    recorder.add(step, truth());
-  };
-  if (options.on_start) options.on_start(configuration);
-  const MissionOptions mission_options = mission_options_for(configuration, truth);
-  MissionResult mission;
   if (options.real_time) {
-    const std::vector<InjectedFault>& faults = options.real_time->faults;
-    base.emplace(simulator, clock, *configuration.robot.model, configuration.simulated_base);
-    FaultyBase faulty_base(*base, clock, faults, base->start());
-    SensorInbox inbox(
-        clock, FaultyFrames::inbox_options(simulated_inbox(configuration.drive.inbox), faults));
-    const RgbdFootprint& seen = configuration.robot.depth;
-    FaultyFrames frames(clock, inbox, faults, base->start(), {seen.min_range, seen.max_range});
-    SimulatedStreams streams(*base, simulator, clock, inbox, frames_into(frames),
-                             configuration.simulated_base.belief_period, options.taps.sensors);
-    const std::optional<RangeCamera> camera = range_camera(configuration);
-    const RangeStop range_stop(configuration.drive.ranges);
-    FaultyReplanner replanner(*planner, *configuration.robot.model, clock, faults, base->start());
-    disk.emplace(clock, faults, base->start());
-    // Without one there are no images, and its numbers are not looked at.
-    const RangeCamera looking = camera.value_or(RangeCamera{});
-    const double base_height = configuration.robot.base_height();
-    const auto floor = [&]() -> std::optional<PreflightFacts::Floor> {
-      const NewestRanges newest = inbox.ranges();
-      if (!camera || (!newest.depth.image && !newest.scan.in_B)) return std::nullopt;
-      return seen_floor(
-          newest.depth.image ? *newest.depth.image : depth_image(*newest.scan.in_B, *camera),
-          camera->camera, camera->mount, base_height, camera->range);
-    };
-    const auto stamp = [](double SourceStamps::*of) {
-      return [of](const Belief* newest) {
-        return newest ? std::optional(newest->stamps.*of) : std::nullopt;
-      };
-    };
-    LiveRobot live{.clock = clock,
-                   .base = faulty_base,
-                   .beliefs = streams,
-                   .planner = replanner,
-                   .guard = guard,
-                   .inbox = &inbox,
-                   .streams = {{"cameras", limits.max_pose_age, stamp(&SourceStamps::pose)},
-                               {"depth", limits.max_ranges_age, stamp(&SourceStamps::ranges)}},
-                   .ranges = range_check(inbox, range_stop, looking),
-                   .floor = floor};
-    mission = live_mission(live, configuration, mission_options, observe, options, result);
-  } else {
-    simulator.set_tap(options.taps.sensors);
-    mission = run_mission(robot, pair, guard, mission_options, observe, options.cancelled,
-                          options.requests);
+    simulated.base = configuration.simulated_base;
+    simulated.inbox = configuration.drive.inbox;
+    simulated.faults = options.real_time->faults;
+    return live_mission(make_robot(simulated), configuration, limits, &reachable, options);
   }
-  SimulatedTruth at_end = truth_of(simulator);
-  result.record = recorder.finish(mission, world->name, at_end, &reachable);
-  result.map = simulator.sense()->octree;
-  result.complaint = simulator.complaint();
+
+  const std::unique_ptr<Replanner> planner = planner_for(configuration, options);
+  SimulatedLockstep robot(simulated);
+  const Guard guard = guard_for(configuration.robot, configuration.planner, limits);
+  RunRecorder recorder(configuration, options.seed, options.keep_steps);
+  MissionOptions mission = mission_options_for(configuration);
+  mission.cancelled = options.cancelled;
+  mission.truth = &robot;
+  start_records(recorder, configuration, options, mission);
+  robot.watched_by(mission.observers);
+  const MissionResult end = run_mission(robot, *planner, guard, mission, options.requests);
+  ExplorationRunResult result;
+  result.record = recorder.finish(end, world->name, &robot, &reachable);
+  result.map = robot.sense()->octree;
+  result.complaint = robot.complaint();
   return result;
 }
 

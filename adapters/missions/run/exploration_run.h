@@ -11,17 +11,14 @@
 #include "adapters/formats/worlds/reachable_area.h"
 #include "adapters/formats/worlds/world.h"
 #include "adapters/missions/config/configuration.h"
+#include "adapters/missions/run/run_observer.h"
 #include "adapters/missions/run/run_record.h"
-#include "adapters/missions/run/tapped_replanner.h"
 #include "adapters/robots/faults/injected_fault.h"
-#include "adapters/robots/simulator/sensor_tap.h"
 #include "adapters/robots/simulator/simulator_options.h"
 #include "engine/maps/belief.h"
 #include "engine/planner/replanner.h"
 #include "engine/safety/guard.h"
-#include "models/image.h"
 #include "models/types.h"
-#include "perception/odometry/odometry.h"
 #include "runtime/drive_requests.h"
 #include "runtime/event_log.h"
 #include "runtime/health_report.h"
@@ -34,10 +31,7 @@ class OcTree;
 
 namespace prospect {
 
-class Planner;
 class SolverRegistry;
-struct MissionStep;
-struct SimulatedTruth;
 
 /// A mission in real time, by threads, instead of in lockstep (real_time_driver.h), driven by
 /// Configuration::drive.
@@ -47,43 +41,21 @@ struct RealTimeRun {
 
 /// One simulated mission: world, configuration and seed in, records out.
 struct ExplorationRunOptions {
-  /// Who listens, such as a log. Each may be empty; none may wait or throw. Stamps are those of
-  /// beliefs.
-  struct Taps {
-    std::function<void(const Belief&)> belief;  ///< each new one; in lockstep before on_step
-    std::function<void(double stamp, const Twist&)> command;  ///< each one that is sent
-    SensorTap sensors;
-    /// The newest left image with the landmarks that were to be seen in it, where the robot has
-    /// cameras and somebody looks for landmarks in them: after each planning step.
-    std::function<void(const Image&, const std::vector<LandmarkSighting>&)> picture;
-    PlannerTap planner;  ///< in real time
-    /// In real time, again and again, on the thread that called, with the runtime's time [s].
-    std::function<void(const RealTimeDriver&, double)> driver;
-  };
-
   std::uint64_t seed = 1;
   bool keep_steps = true;  ///< keep every StepRecord in the result, for the report
-  /// Once, when all that the input could be refused for has been made, before the first step, with
-  /// the configuration in effect: of another base, the robot with the cameras that it has there.
-  /// What it throws ends the run.
-  std::function<void(const Configuration&)> on_start;
-  std::function<void(const StepRecord&)> on_step;  ///< after each planning step
-  /// After on_step, with the Planner that made the step; never called if make_planner makes
-  /// another.
-  std::function<void(const StepRecord&, const Planner&)> on_plan;
-  /// In lockstep: another planner that is asked at each step with the same belief, and told the
-  /// same tasks; its plans are not driven. on_beside is shown them, before on_step.
-  Replanner* beside = nullptr;
-  std::function<void(const MissionStep&, const SimulatedTruth&)> on_beside;
+  /// Who watches the mission; they outlive it. Asked once, when all that the input could be refused
+  /// for has been made, before the first step, with the configuration in effect: of another base
+  /// than the simulator, the robot with the cameras that it has there. What it throws ends the run.
+  /// Empty: nobody watches.
+  std::function<std::vector<RunObserver*>(const Configuration&)> observers;
   std::function<bool()> cancelled;
   DriveRequests* requests = nullptr;  ///< what people ask of the mission; null: nobody
-  Taps taps;
   /// Makes the planner; empty: the Planner of this project with the configured solver.
   std::function<std::unique_ptr<Replanner>(const Configuration&)> make_planner;
   /// Where the configured solver is looked up; null: among those built in.
   const SolverRegistry* solvers = nullptr;
-  /// Empty: in lockstep, as fast as the machine is. Else on_step and on_plan are called on the
-  /// planner's thread, and nothing is reproducible.
+  /// Empty: in lockstep, as fast as the machine is. Else nothing is
+  /// reproducible.
   std::optional<RealTimeRun> real_time;
 };
 
@@ -131,7 +103,7 @@ Guard::Options guard_limits_for(const Configuration& configuration);
 
 /// Runs one mission in the kinematic simulator, to its end. Throws InputError if the robot cannot
 /// start there, std::invalid_argument for an unknown solver or options out of range, all before
-/// on_start. In lockstep deterministic but for wall-clock times.
+/// observers are asked for. In lockstep deterministic but for wall-clock times.
 ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
                                      const Configuration& configuration,
                                      const ExplorationRunOptions& options);

@@ -17,11 +17,10 @@ namespace prospect {
 /// robot has seen, how far its estimate is off, and contacts are in the records; else they are
 /// unknown there (Summary::measured).
 ///
-/// Time is that of the simulation (SimulationClock). Throws before on_start: InputError, one line,
-/// if no Gazebo answers, it has no such robot, or says nothing of it; NotBuiltIn;
-/// std::invalid_argument for an unknown solver or options out of range. The robot has not moved
-/// then. Faults of options.real_time are injected, in the
-/// time since then.
+/// Time is that of the simulation (SimulationClock). Throws before observers are asked for:
+/// InputError, one line, if no Gazebo answers, it has no such robot, or says nothing of it;
+/// NotBuiltIn; std::invalid_argument for an unknown solver or options out of range. The robot has
+/// not moved then. Faults of options.real_time are injected, in the time since then.
 ExplorationRunResult explore_gazebo(const Configuration& configuration,
                                     const std::shared_ptr<const World>& measured,
                                     const ExplorationRunOptions& options);

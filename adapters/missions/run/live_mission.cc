@@ -1,78 +1,126 @@
 #include "adapters/missions/run/live_mission.h"
 
+#include <octomap/OcTree.h>
+
+#include <cmath>
+#include <functional>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
-#include <variant>
+#include <vector>
 
+#include "adapters/missions/run/live_perception.h"
+#include "adapters/missions/run/run_recorder.h"
+#include "adapters/robots/faults/faulty_disk.h"
+#include "adapters/robots/faults/faulty_replanner.h"
 #include "engine/planner/planner.h"
+#include "engine/planner/planner_guard.h"
 #include "models/formatted.h"
+#include "models/reason.h"
+#include "perception/pipeline/perception_pipeline.h"
 #include "runtime/preflight_run.h"
+#include "runtime/range_check.h"
+#include "runtime/range_stop.h"
 #include "runtime/real_time_driver.h"
 #include "runtime/seen_floor.h"
 #include "solvers/registry.h"
 
 namespace prospect {
+namespace {
 
-MissionResult live_mission(const LiveRobot& robot, const Configuration& c,
-                           const MissionOptions& mission,
-                           const std::function<void(const MissionStep&)>& observe,
-                           const ExplorationRunOptions& options, ExplorationRunResult& result) {
+/// The hits of a scan as the camera would see them.
+DepthImage depth_image(const DepthScan& in_B, const RangeCamera& c) {
+  DepthImage image(static_cast<int>(c.camera.width), static_cast<int>(c.camera.height));
+  const Eigen::Isometry3d T_CB = c.mount.T_BC.inverse();
+  for (const Eigen::Vector3d& hit : in_B.hits) {
+    const Eigen::Vector3d p = T_CB * hit;
+    if (!(p.z() > 0.0)) continue;
+    const int u = static_cast<int>(std::lround(c.camera.cx + c.camera.fx * p.x() / p.z()));
+    const int v = static_cast<int>(std::lround(c.camera.cy + c.camera.fy * p.y() / p.z()));
+    if (u < 0 || u >= image.width || v < 0 || v >= image.height) continue;
+    image.at(u, v) = static_cast<float>(p.z());
+  }
+  return image;
+}
+
+/// The floor as the newest ranges show it; none: there are none yet.
+std::optional<PreflightFacts::Floor> floor_in(const SensorInbox& inbox, const RangeCamera& depth,
+                                              double base_height) {
+  const NewestRanges newest = inbox.ranges();
+  if (!newest.depth.image && !newest.scan.in_B) return std::nullopt;
+  return seen_floor(
+      newest.depth.image ? *newest.depth.image : depth_image(*newest.scan.in_B, depth),
+      depth.camera, depth.mount, base_height, depth.range);
+}
+
+/// What pre-flight waits for. A robot that perceives by itself stamps its beliefs.
+std::vector<WatchedStream> streams_of(const Robot& robot, const Guard::Options& limits) {
+  if (robot.beliefs) {
+    const auto stamp = [](double SourceStamps::*of) {
+      return [of](const Belief* newest) {
+        return newest ? std::optional(newest->stamps.*of) : std::nullopt;
+      };
+    };
+    return {{"cameras", limits.max_pose_age, stamp(&SourceStamps::pose)},
+            {"depth", limits.max_ranges_age, stamp(&SourceStamps::ranges)}};
+  }
+  const SensorInbox& inbox = *robot.frames;
+  return {watched(inbox, SensorStream::kPair, "cameras", limits.max_pose_age),
+          robot.depth ? watched(inbox, SensorStream::kDepth, "depth", limits.max_ranges_age)
+                      : watched(inbox, SensorStream::kScan, "scan", limits.max_ranges_age),
+          watched(inbox, SensorStream::kWheels, "wheels", limits.max_pose_age)};
+}
+
+/// Perception of a robot that has none of its own.
+struct OwnPerception {
+  OwnPerception(const Robot& robot, const Configuration& c, const std::optional<RangeCamera>& depth)
+      : perception(c.robot.stereo, live_perception(c, depth, robot.start)),
+        beliefs(*robot.frames, perception) {
+    clear_start(perception.map(), c, robot.start);
+  }
+  PerceptionPipeline perception;
+  PipelineBeliefs beliefs;
+};
+
+/// Checks, and drives if none has failed.
+MissionResult check_and_drive(RobotParts parts,
+                              const std::function<std::optional<PreflightFacts::Floor>()>& floor,
+                              const Configuration& c, const MissionOptions& mission,
+                              ExplorationRunResult& result) {
   PreflightFacts known;
   known.body = c.robot.slice();
   known.resolution = c.perception.mapping.resolution;
-  const PreflightParts checked{.clock = robot.clock,
-                               .base = robot.base,
-                               .beliefs = robot.beliefs,
-                               .guard = robot.guard,
-                               .model = c.robot.model,
-                               .inbox = robot.inbox,
-                               .ranges = robot.ranges,
-                               .streams = robot.streams,
+  parts.beliefs.watched_by(mission.observers);
+  const PreflightParts checked{.clock = parts.clock,
+                               .base = parts.base,
+                               .beliefs = parts.beliefs,
+                               .guard = parts.guard,
+                               .model = parts.model,
+                               .inbox = parts.inbox,
+                               .ranges = parts.ranges,
+                               .streams = parts.streams,
                                .known = known,
-                               .floor = robot.floor,
-                               .requests = options.requests,
-                               .emergency_stop = robot.emergency_stop,
+                               .floor = floor,
+                               .requests = parts.requests,
+                               .emergency_stop = parts.emergency_stop,
                                .following = c.drive.driver.following};
   const PreflightResult preflight =
-      run_preflight(checked, c.drive.preflight, c.drive.driver.command, options.cancelled);
-  result.preflight = preflight.checks;
-  const std::string failed = first_failed(preflight.checks);
-  TappedReplanner planner(robot.planner, options.taps.planner);
-  RealTimeDriver driver({.clock = robot.clock,
-                         .base = robot.base,
-                         .beliefs = robot.beliefs,
-                         .planner = planner,
-                         .guard = robot.guard,
-                         .model = c.robot.model,
-                         .inbox = robot.inbox,
-                         .ranges = robot.ranges,
-                         .failed_preflight = failed,
-                         .yaw_checked = preflight.yaw_checked,
-                         .emergency_stop = robot.emergency_stop,
-                         .streams = robot.streams,
-                         .preflight = preflight.checks,
-                         .on_belief =
-                             [&](const Belief& belief) {
-                               if (robot.on_perceived) robot.on_perceived();
-                               if (options.taps.belief) options.taps.belief(belief);
-                             },
-                         .on_command = options.taps.command,
-                         .requests = options.requests},
-                        c.drive.driver);
+      run_preflight(checked, c.drive.preflight, c.drive.driver.command, mission.cancelled);
+  result.preflight = parts.preflight = preflight.checks;
+  parts.failed_preflight = first_failed(preflight.checks);
+  parts.yaw_checked = preflight.yaw_checked;
+  RealTimeDriver driver(parts, c.drive.driver);
   MissionResult end;
-  if (failed.empty()) {
-    end = driver.run(mission, observe, [&] {
-      if (options.taps.driver) options.taps.driver(driver, robot.clock.now());
-      return options.cancelled && options.cancelled();
-    });
-    if (options.taps.driver) options.taps.driver(driver, robot.clock.now());
+  if (parts.failed_preflight.empty()) {
+    end = driver.run(mission);
   } else {
     end.end =
-        options.cancelled && options.cancelled() ? MissionEnd::kCancelled : MissionEnd::kNotFit;
+        mission.cancelled && mission.cancelled() ? MissionEnd::kCancelled : MissionEnd::kNotFit;
     for (const CheckResult& check : preflight.checks) {
-      if (check.check == failed)
-        end.detail = "before the first motion: " + failed + ": " + check.why;
+      if (check.check == parts.failed_preflight) {
+        end.detail = "before the first motion: " + check.check + ": " + check.why;
+      }
     }
   }
   result.driver = driver.status();
@@ -81,60 +129,89 @@ MissionResult live_mission(const LiveRobot& robot, const Configuration& c,
   return end;
 }
 
-std::function<void(const SensorFrame&)> frames_to(SensorTap tap) {
-  struct Hand {
-    SensorTap tap;
-    void operator()(const StereoFrame& frame) const {
-      if (tap.pair && frame.left && frame.right) {
-        tap.pair(frame.left_stamp, {*frame.left, *frame.right});
-      }
-    }
-    void operator()(const WheelSample& sample) const {
-      if (tap.wheels) tap.wheels(sample);
-    }
-    void operator()(const DepthFrame& frame) const {
-      if (tap.depth && frame.image) tap.depth(frame.stamp, *frame.image);
-    }
-    void operator()(const ScanFrame& frame) const {
-      if (tap.scan && frame.in_B) tap.scan(frame.stamp, *frame.in_B);
-    }
-    void operator()(const EstimateFrame&) const {}  // no measurement
-  };
-  return [hand = Hand{std::move(tap)}](const SensorFrame& frame) { std::visit(hand, frame); };
+}  // namespace
+
+void take_settings(const Robot& robot, Configuration& c) {
+  set_robot(c, robot.settings, robot.settings_of);
+  check_drives(c);
 }
 
-std::function<void(const SensorFrame&)> PictureTap::frames() {
-  return [this, hand = frames_to(taps_.sensors)](const SensorFrame& frame) {
-    hand(frame);
-    if (const auto* pair = std::get_if<StereoFrame>(&frame); pair && pair->left) left_ = pair->left;
-  };
+ExplorationRunResult live_mission(const Robot& robot, const Configuration& c,
+                                  const Guard::Options& limits, const ReachableArea* reachable,
+                                  const ExplorationRunOptions& options) {
+  const std::unique_ptr<Replanner> planner = planner_for(c, options);
+  const Guard guard = guard_for(c.robot, c.planner, limits);
+  std::optional<RangeCamera> depth;
+  if (robot.depth) {
+    depth = {*robot.depth, c.robot.depth_mount, {c.robot.depth.min_range, c.robot.depth.max_range}};
+  }
+  std::optional<OwnPerception> own;
+  if (!robot.beliefs) own.emplace(robot, c, depth);
+  BeliefSource& beliefs = own ? own->beliefs : *robot.beliefs;
+  const RangeStop stop(c.drive.ranges);
+  // Without a depth camera there are no depth images, and its numbers are not looked at.
+  const RangeCamera looking = depth.value_or(RangeCamera{});
+  const std::vector<InjectedFault> faults =
+      options.real_time ? options.real_time->faults : std::vector<InjectedFault>();
+  FaultyReplanner faulty_planner(*planner, *c.robot.model, *robot.clock, faults, robot.made);
+  FaultyDisk disk(*robot.clock, faults, robot.made);
+
+  MissionOptions mission = mission_options_for(c);
+  mission.cancelled = options.cancelled;
+  mission.truth = robot.truth.get();
+  RunRecorder recorder(c, options.seed, options.keep_steps);
+  mission.observers = {&disk};
+  mission.observers.insert(mission.observers.end(), robot.observers.begin(), robot.observers.end());
+  start_records(recorder, c, options, mission);
+
+  const RobotParts parts{.clock = *robot.clock,
+                         .base = *robot.base,
+                         .beliefs = beliefs,
+                         .planner = faulty_planner,
+                         .guard = guard,
+                         .model = c.robot.model,
+                         .inbox = robot.frames.get(),
+                         .ranges = range_check(*robot.frames, stop, looking),
+                         .emergency_stop = robot.emergency_stop,
+                         .streams = streams_of(robot, limits),
+                         .requests = options.requests};
+  std::function<std::optional<PreflightFacts::Floor>()> floor;
+  if (depth) {
+    floor = [&] { return floor_in(*robot.frames, looking, c.robot.base_height()); };
+  }
+  const SteadyClock machine;
+  const double begun = robot.clock->now(), begun_by_machine = machine.now();
+  ExplorationRunResult result;
+  const MissionResult end = check_and_drive(parts, floor, c, mission, result);
+  if (robot.simulated_time) {
+    if (!faults.empty()) result.faults_start = robot.made;
+    result.real_time_factor = (robot.clock->now() - begun) / (machine.now() - begun_by_machine);
+  }
+  result.record = recorder.finish(end, robot.name, robot.truth.get(), reachable);
+  result.map = beliefs.known()->octree;
+  result.complaint = beliefs.complaint();
+  if (robot.link_faults) {
+    for (const std::string& fault : robot.link_faults()) add_reason(result.complaint, fault);
+  }
+  return result;
 }
 
-std::function<void()> PictureTap::perceived() {
-  return [this] {
-    if (left_ && taps_.picture) taps_.picture(*left_, perception_.odometry().sightings());
-    left_.reset();
-  };
+void start_records(RunRecorder& recorder, const Configuration& c,
+                   const ExplorationRunOptions& options, MissionOptions& mission) {
+  mission.observers.push_back(&recorder);
+  if (!options.observers) return;
+  const std::vector<RunObserver*> observers = options.observers(c);
+  recorder.watched_by(observers);
+  mission.observers.insert(mission.observers.end(), observers.begin(), observers.end());
 }
 
-std::function<std::optional<PreflightFacts::Floor>()> newest_floor(const SensorInbox& inbox,
-                                                                   const RangeCamera& depth,
-                                                                   double base_height) {
-  return [&inbox, depth, base_height]() -> std::optional<PreflightFacts::Floor> {
-    const DepthFrame newest = inbox.ranges().depth;
-    if (!newest.image) return std::nullopt;
-    return seen_floor(*newest.image, depth.camera, depth.mount, base_height, depth.range);
-  };
-}
-
-MissionOptions mission_options_for(const Configuration& c,
-                                   const std::function<SimulatedTruth()>& truth) {
+MissionOptions mission_options_for(const Configuration& c) {
   MissionOptions options = c.mission;
   options.task = c.planner.task;
   const double coverage = c.until_coverage, area = c.until_area;
   if (coverage > 0.0 || area > 0.0) {
-    options.missing = [truth, coverage, area](const MissionStep&) -> std::string {
-      const SimulatedTruth now = truth();
+    options.missing = [coverage, area](const MissionStep& step) -> std::string {
+      const TrueState now = step.truth.value_or(TrueState());
       if ((coverage > 0.0 && now.coverage >= coverage) || (area > 0.0 && now.seen_area >= area)) {
         return "";
       }

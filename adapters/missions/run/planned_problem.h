@@ -5,15 +5,13 @@
 #include <string>
 
 #include "adapters/formats/problem_file/problem_file.h"
-#include "adapters/missions/run/run_record.h"
+#include "runtime/mission.h"
 
 namespace prospect {
 
-class Planner;
-
 /// The problem that the planner solved at this step of a mission, with its seeds, as a file holds
-/// it. Nothing if it met none: a belief that nothing can be planned from.
-std::optional<SavedProblem> planned_problem(const Planner& planner, const StepRecord& step,
-                                            const std::string& world, std::uint64_t seed);
+/// it. Nothing if it met none (a belief that nothing can be planned from), or does not tell.
+std::optional<SavedProblem> planned_problem(const MissionStep& step, const std::string& world,
+                                            std::uint64_t seed);
 
 }  // namespace prospect

@@ -6,6 +6,7 @@
 
 #include "adapters/formats/files/output_folder.h"
 #include "adapters/formats/files/row_file.h"
+#include "adapters/missions/run/run_observer.h"
 #include "adapters/missions/run/run_record.h"
 #include "adapters/missions/run/run_start.h"
 #include "adapters/missions/run/step_row.h"
@@ -33,7 +34,7 @@ struct SavedProblem;
 /// and nothing throws after construction. One run at a time: the folder is an OutputFolder, locked
 /// until this object is gone. If that is before the first step, and without finish(), nothing of it
 /// is left. Not thread-safe.
-class RunFolder {
+class RunFolder final : public RunObserver {
  public:
   /// What becomes of a drive that the folder holds: it happened once, and is in no other place.
   enum class EarlierDrive { kRefused, kReplaced };
@@ -43,7 +44,7 @@ class RunFolder {
   /// before anything is written; and where config.yaml or run.json cannot be written.
   RunFolder(const std::string& path, const RunStart& start,
             EarlierDrive earlier = EarlierDrive::kRefused);
-  ~RunFolder();
+  ~RunFolder() override;
   RunFolder(const RunFolder&) = delete;
   RunFolder& operator=(const RunFolder&) = delete;
 
@@ -52,6 +53,7 @@ class RunFolder {
   /// The columns of steps.csv are the terms of the first step that has any; rows before it wait
   /// for them. A term that first appears later has no column.
   void add(const StepRecord& step);
+  void on_record(const StepRecord& record, const MissionStep&) override { add(record); }
   /// Writes the problem file of a planning step (saved.origin.step), whole or not at all.
   void add(const SavedProblem& saved);
   /// The page of a run, report.html.

@@ -4,12 +4,14 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <mutex>
 #include <utility>
 
 #include "adapters/formats/images/image_codec.h"
 #include "adapters/missions/run/configured_record.h"
 #include "adapters/missions/run/summary.h"
-#include "engine/planner/planner.h"
+#include "adapters/missions/run/unmeasured.h"
+#include "engine/planner/planning_step.h"
 #include "engine/terms/builtin_terms.h"
 
 namespace prospect {
@@ -81,13 +83,13 @@ class EvenlySpread {
 class SparsePictures {
  public:
   void add(int step, const CameraPicture& shown) {
-    if (shown.image.pixels.empty()) return;
+    if (!shown.image || shown.image->pixels.empty()) return;
     const bool chosen = steps_.chooses(step, [this](const auto& others) {
       std::erase_if(pictures_, [&](const LandmarkPicture& p) { return others(p.frame); });
       return static_cast<int>(pictures_.size());
     });
     if (chosen) {
-      pictures_.push_back(landmark_picture(step, shown.image, shown.sightings, kWidth));
+      pictures_.push_back(landmark_picture(step, *shown.image, shown.sightings, kWidth));
     }
   }
   std::vector<LandmarkPicture> take() { return std::move(pictures_); }
@@ -206,29 +208,37 @@ std::vector<TermWeight> term_weights(const Problem& problem,
 }  // namespace
 
 struct RunRecorder::Impl {
-  Impl(const Configuration& c, const ExplorationRunOptions& o, const Planner* p)
-      : configuration(c), options(o), planner(p) {
-    if (options.keep_steps) load_image_codecs();
+  Impl(const Configuration& c, std::uint64_t its_seed, bool keeps)
+      : configuration(c), seed(its_seed), keep_steps(keeps) {
+    if (keep_steps) load_image_codecs();
   }
 
   const Configuration& configuration;
-  const ExplorationRunOptions& options;
-  const Planner* planner;
+  const std::uint64_t seed;
+  const bool keep_steps;
+  std::vector<RunObserver*> observers;
   const std::chrono::steady_clock::time_point begun = std::chrono::steady_clock::now();
+  std::mutex mutex;
+  CameraPicture picture;  // the newest
+  Unmeasured unmeasured;
   MapChanges map_changes;
   SparsePictures pictures;
   SparseCostsToGo costs_to_go;
   SparsePlans plans;
   std::vector<StepRecord> steps;
 
-  void add(const MissionStep& step, const SimulatedTruth& truth);
-  RunRecord finish(const MissionResult& mission, const std::string& world,
-                   const SimulatedTruth& truth, const ReachableArea* reachable);
+  StepRecord record_of(const MissionStep& step);
+  void add(const MissionStep& step);
+  RunRecord finish(const MissionResult& mission, const std::string& world, const Truth* truth,
+                   const ReachableArea* reachable);
 };
 
-void RunRecorder::Impl::add(const MissionStep& step, const SimulatedTruth& truth) {
+StepRecord RunRecorder::Impl::record_of(const MissionStep& step) {
   const Plan& plan = *step.plan;
   const Belief& belief = *step.belief;
+  const TrueState estimated = unmeasured.at(belief);
+  const TrueState& truth = step.truth ? *step.truth : estimated;
+  const Problem* const problem = step.made ? step.made->problem.get() : nullptr;
   StepRecord r;
   r.step = step.index;
   r.time = step.time;
@@ -252,8 +262,8 @@ void RunRecorder::Impl::add(const MissionStep& step, const SimulatedTruth& truth
   r.features_weight = plan.features_weight;
   r.seed = plan.seed;
   r.explanation = plan.explanation;
-  if (planner && planner->problem() && !plan.explanation.terms.empty()) {
-    r.weights = term_weights(*planner->problem(), configuration.planner.weights);
+  if (problem != nullptr && !plan.explanation.terms.empty()) {
+    r.weights = term_weights(*problem, configuration.planner.weights);
   }
   const auto committed = static_cast<std::size_t>(std::max(0, plan.committed));
   if (committed < plan.visible.size()) r.predicted_features = plan.visible[committed];
@@ -301,13 +311,12 @@ void RunRecorder::Impl::add(const MissionStep& step, const SimulatedTruth& truth
                               global_plan.facts.target_length, global_plan.facts.target_area,
                               global_plan.facts.path_left};
     }
-    if (options.keep_steps) costs_to_go.add(steps, r, *global_plan.cost_to_go);
+    if (keep_steps) costs_to_go.add(steps, r, *global_plan.cost_to_go);
   }
   r.candidates =
-      candidate_records(plan, planner && options.keep_steps ? planner->problem().get() : nullptr,
-                        *configuration.robot.model);
-  if (planner) {
-    const std::vector<ConsideredLandmark>& landmarks = planner->step()->landmarks;
+      candidate_records(plan, keep_steps ? problem : nullptr, *configuration.robot.model);
+  if (step.made) {
+    const std::vector<ConsideredLandmark>& landmarks = step.made->landmarks;
     r.landmarks.reserve(landmarks.size());
     for (const ConsideredLandmark& considered : landmarks) {
       const Eigen::Vector3d& position = considered.landmark.position;
@@ -316,13 +325,21 @@ void RunRecorder::Impl::add(const MissionStep& step, const SimulatedTruth& truth
     }
   }
   r.map_changes = map_changes.since_last(*belief.ground);
-  if (options.keep_steps) pictures.add(r.step, truth.picture);
-  if (options.taps.picture && !truth.picture.image.pixels.empty()) {
-    options.taps.picture(truth.picture.image, truth.picture.sightings);
+  return r;
+}
+
+void RunRecorder::Impl::add(const MissionStep& step) {
+  StepRecord r = record_of(step);
+  if (keep_steps) {
+    CameraPicture shown;
+    {
+      const std::lock_guard lock(mutex);
+      shown = picture;
+    }
+    pictures.add(r.step, shown);
   }
-  if (options.on_step) options.on_step(r);
-  if (options.on_plan && planner) options.on_plan(r, *planner);
-  if (!options.keep_steps) {
+  for (RunObserver* observer : observers) observer->on_record(r, step);
+  if (!keep_steps) {
     forget(r);
     release(r.map_changes);
   } else {
@@ -332,13 +349,15 @@ void RunRecorder::Impl::add(const MissionStep& step, const SimulatedTruth& truth
 }
 
 RunRecord RunRecorder::Impl::finish(const MissionResult& mission, const std::string& world,
-                                    const SimulatedTruth& truth, const ReachableArea* reachable) {
+                                    const Truth* measured, const ReachableArea* reachable) {
+  const TrueState truth = measured != nullptr ? measured->newest() : unmeasured.newest();
   RunRecord record = configured_record(configuration);
   record.summary = summarize(steps);
   Summary& s = record.summary;
   s.world = world;
   s.solver = configuration.solver;
-  s.seed = options.seed;
+  s.seed = seed;
+  s.measured = measured != nullptr;
   s.task = to_string(configuration.planner.task.kind);
   s.end = mission.end;
   s.done = mission.done();
@@ -362,23 +381,29 @@ RunRecord RunRecorder::Impl::finish(const MissionResult& mission, const std::str
       s.deadline_misses += step.wall.plan > 1e3 * configuration.planner.deadline;
     }
   }
-  if (options.keep_steps) record.steps = std::move(steps);
+  if (keep_steps) record.steps = std::move(steps);
   record.pictures = pictures.take();
   s.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
   return record;
 }
 
-RunRecorder::RunRecorder(const Configuration& configuration, const ExplorationRunOptions& options,
-                         const Planner* planner)
-    : impl_(std::make_unique<Impl>(configuration, options, planner)) {}
+RunRecorder::RunRecorder(const Configuration& configuration, std::uint64_t seed, bool keep_steps)
+    : impl_(std::make_unique<Impl>(configuration, seed, keep_steps)) {}
 RunRecorder::~RunRecorder() = default;
 
-void RunRecorder::add(const MissionStep& step, const SimulatedTruth& truth) {
-  impl_->add(step, truth);
+void RunRecorder::watched_by(std::vector<RunObserver*> observers) {
+  impl_->observers = std::move(observers);
 }
 
+void RunRecorder::on_picture(const CameraPicture& picture) {
+  const std::lock_guard lock(impl_->mutex);
+  impl_->picture = picture;
+}
+
+void RunRecorder::on_step(const MissionStep& step) { impl_->add(step); }
+
 RunRecord RunRecorder::finish(const MissionResult& mission, const std::string& world,
-                              const SimulatedTruth& truth, const ReachableArea* reachable) {
+                              const Truth* truth, const ReachableArea* reachable) {
   return impl_->finish(mission, world, truth, reachable);
 }
 

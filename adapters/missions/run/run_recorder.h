@@ -1,35 +1,38 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "adapters/formats/worlds/reachable_area.h"
 #include "adapters/missions/config/configuration.h"
-#include "adapters/missions/run/exploration_run.h"
+#include "adapters/missions/run/run_observer.h"
 #include "adapters/missions/run/run_record.h"
-#include "adapters/robots/simulator/simulated_base.h"
 #include "runtime/mission.h"
+#include "runtime/truth.h"
 
 namespace prospect {
 
-class Planner;
-
-/// Turns what a mission shows of each planning step into records, whatever drives the robot: calls
-/// ExplorationRunOptions::on_step and on_plan, and sums up at the end. What is not known to be true
-/// is NaN in SimulatedTruth. Thread-safety: one thread at a time. Throws what those two throw.
-class RunRecorder {
+/// Turns what a mission tells of each planning step into records, whatever drives the robot: one of
+/// its observers (MissionOptions), who tells others of the records, and sums up at the end. What is
+/// not known to be true is NaN. Thread-safety: as MissionObserver. on_step() throws what
+/// RunObserver::on_record() does.
+class RunRecorder final : public MissionObserver {
  public:
-  /// All of it outlives this. `planner`: the Planner that plans; null: another one does. Throws
-  /// InputError if steps are kept and the codecs of their pictures cannot be loaded.
-  RunRecorder(const Configuration& configuration, const ExplorationRunOptions& options,
-              const Planner* planner);
-  ~RunRecorder();
+  /// keep_steps: every StepRecord, with pictures, for the report. The configuration outlives it.
+  /// Throws InputError if steps are kept and the codecs of their pictures cannot be loaded.
+  explicit RunRecorder(const Configuration& configuration, std::uint64_t seed = 1,
+                       bool keep_steps = true);
+  ~RunRecorder() override;
+  /// Who is told of the records. They outlive it.
+  void watched_by(std::vector<RunObserver*> observers);
 
-  /// After each planning step, with what is true then.
-  void add(const MissionStep& step, const SimulatedTruth& truth);
-  /// Once, at the end. reachable: null: nobody knows the world.
-  RunRecord finish(const MissionResult& mission, const std::string& world,
-                   const SimulatedTruth& truth, const ReachableArea* reachable);
+  void on_picture(const CameraPicture& picture) override;
+  void on_step(const MissionStep& step) override;
+  /// Once, at the end. truth, reachable: null: nobody knows.
+  RunRecord finish(const MissionResult& mission, const std::string& world, const Truth* truth,
+                   const ReachableArea* reachable);
 
  private:
   struct Impl;

@@ -4,27 +4,25 @@
 #include <limits>
 #include <optional>
 
-#include "adapters/robots/simulator/simulated_base.h"
-#include "runtime/mission.h"
+#include "runtime/truth.h"
 
 namespace prospect {
 
 /// What is true of a robot that nobody measures, for its records: the way by the estimate, how
 /// often the estimate was lost, all else unknown (NaN). Thread-safety: one thread at a time.
-class Unmeasured {
+class Unmeasured final : public Truth {
  public:
-  SimulatedTruth at(const MissionStep& step) {
-    const Belief& belief = *step.belief;
+  TrueState at(const Belief& belief) override {
     if (before_) way_ += (belief.pose.position - *before_).head<2>().norm();
     before_ = belief.pose.position;
     const bool lost = belief.localization == Localization::kLost;
     losses_ += lost && !lost_;
     lost_ = lost;
-    return truth();
+    return newest();
   }
-  SimulatedTruth truth() const {
+  TrueState newest() const override {
     constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-    SimulatedTruth truth;
+    TrueState truth;
     truth.pose = {Eigen::Vector3d::Constant(kUnknown), kUnknown};
     truth.coverage = truth.seen_area = truth.localization_error = kUnknown;
     truth.path_length = way_;

@@ -24,7 +24,6 @@
 #include "adapters/missions/config/configuration.h"
 #include "adapters/missions/config/solver_options.h"
 #include "adapters/missions/log/mission_log.h"
-#include "adapters/missions/log/planner_calls.h"
 #include "adapters/missions/run/configured_record.h"
 #include "adapters/missions/run/dds_run.h"
 #include "adapters/missions/run/exploration_run.h"
@@ -231,18 +230,6 @@ MissionMessageOptions message_options(const Configuration& configuration, const 
   return options;
 }
 
-/// Calls both; either may be empty.
-template <typename... Values>
-std::function<void(Values...)> both(std::function<void(Values...)> first,
-                                    std::function<void(Values...)> second) {
-  if (!first) return second;
-  if (!second) return first;
-  return [first = std::move(first), second = std::move(second)](Values... values) {
-    first(values...);
-    second(values...);
-  };
-}
-
 /// Where the live view is, and who may reach it, on standard error.
 void tell_live(const LiveServer& live, const ExploreArguments& arguments) {
   std::cerr << "prospect: live view: " << live.url() << '\n';
@@ -254,43 +241,36 @@ void tell_live(const LiveServer& live, const ExploreArguments& arguments) {
   }
 }
 
-/// Hands all that a mission tells to its log, which is there when it begins.
-ExplorationRunOptions::Taps taps_of(std::optional<MissionLog>& log, bool images) {
-  ExplorationRunOptions::Taps taps;
-  taps.belief = [&](const Belief& belief) { log->belief(belief); };
-  taps.command = [&](double time, const Twist& command) { log->command(time, command); };
-  taps.sensors.scan = [&](double time, const DepthScan& scan) { log->scan(time, scan); };
-  if (images) {
-    taps.sensors.pair = [&](double time, const ImagePair& pair) { log->pair(time, pair); };
-    taps.sensors.depth = [&](double time, const DepthImage& image) { log->depth(time, image); };
+/// Shows each step in the progress line.
+class ShownProgress final : public RunObserver {
+ public:
+  ShownProgress(Progress& progress, const std::string& solver)
+      : progress_(progress), solver_(solver) {}
+  void on_record(const StepRecord& record, const MissionStep&) override {
+    progress_.show(record, solver_);
   }
-  taps.sensors.wheels = [&](const WheelSample& wheels) { log->wheels(wheels); };
-  // The time of a plan and of a task is that of the belief before it.
-  const auto calls = std::make_shared<std::pair<PlannerCallWriter, double>>();
-  taps.planner.prepare = [&log, calls](const Belief& belief) {
-    log->planner_call(calls->second = belief.stamp, calls->first.prepare(belief));
-  };
-  taps.planner.plan = [&log, calls](const Belief& belief) {
-    log->planner_call(calls->second = belief.stamp, calls->first.plan(belief));
-  };
-  taps.planner.planned = [&log, calls](const Plan& plan) {
-    log->planner_call(calls->second, calls->first.planned(plan));
-  };
-  taps.planner.task = [&log, calls](const Task& task) {
-    log->planner_call(calls->second, calls->first.task(task));
-  };
-  taps.driver = [&log, next = std::uint64_t{0}, told = 0.0](const RealTimeDriver& driver,
-                                                            double now) mutable {
-    const EventLog::Reading reading = driver.events().since(next);
-    next = reading.next;
-    log->events(reading.events);
-    constexpr double kEvery = 1.0;  // [s]
-    if (now - told < kEvery) return;
-    told = now;
-    log->status(now, driver.status());
-  };
-  return taps;
-}
+
+ private:
+  Progress& progress_;
+  const std::string& solver_;
+};
+
+/// Writes the problem of every so manyeth step into the run folder.
+class SavedProblems final : public RunObserver {
+ public:
+  SavedProblems(RunFolder& folder, int every, std::string world, std::uint64_t seed)
+      : folder_(folder), every_(every), world_(std::move(world)), seed_(seed) {}
+  void on_record(const StepRecord&, const MissionStep& step) override {
+    if (step.index % every_ != 0) return;
+    if (const auto saved = planned_problem(step, world_, seed_)) folder_.add(*saved);
+  }
+
+ private:
+  RunFolder& folder_;
+  const int every_;
+  const std::string world_;
+  const std::uint64_t seed_;
+};
 
 /// Gazebo's master is where $GAZEBO_MASTER_URI says, unless the configuration tells it.
 void set_gazebo_address(Configuration& configuration) {
@@ -414,7 +394,9 @@ int mission(const ExploreArguments& arguments, const Registries& registries,
   std::optional<AcknowledgementBySignal> by_signal;
   if (base.in_real_time()) by_signal.emplace(requests);
   std::optional<LiveServer> live;
-  options.on_start = [&](const Configuration& effective) {
+  ShownProgress shown_progress(progress, configuration.solver);
+  std::optional<SavedProblems> problems;
+  options.observers = [&](const Configuration& effective) {
     if (arguments.live) {
       LiveMission shown{configured_record(effective), base.in_real_time(),
                         message_options(effective, base)};
@@ -431,41 +413,29 @@ int mission(const ExploreArguments& arguments, const Registries& registries,
     folder.emplace(out, start,
                    arguments.overwrite ? RunFolder::EarlierDrive::kReplaced
                                        : RunFolder::EarlierDrive::kRefused);
-    if (!arguments.log) return;
-    const std::string file = folder->claim("mission.mcap");
-    MissionLogOptions log_options{message_options(effective, base), arguments.log_images, {}};
-    // In real time nothing waits for the log; in lockstep nothing is dropped.
-    log_options.file.wait = !base.in_real_time();
-    log.emplace(file, start, log_options);
-    if (const std::string wrong = log->error(); !wrong.empty()) {
-      throw InputError(file + ": cannot be written (" + wrong + "); expected a writable folder");
+    std::vector<RunObserver*> observers = {&*folder};
+    if (arguments.log) {
+      const std::string file = folder->claim("mission.mcap");
+      // In real time nothing waits for the log; in lockstep nothing is dropped.
+      const bool real_time = base.in_real_time();
+      MissionLogOptions log_options{
+          message_options(effective, base), arguments.log_images, real_time, {}};
+      log_options.file.wait = !real_time;
+      log.emplace(file, start, log_options);
+      if (const std::string wrong = log->error(); !wrong.empty()) {
+        throw InputError(file + ": cannot be written (" + wrong + "); expected a writable folder");
+      }
+      observers.push_back(&*log);
     }
+    if (live) observers.push_back(&feed);
+    observers.push_back(&shown_progress);
+    if (arguments.save_problems > 0) {
+      problems.emplace(*folder, arguments.save_problems, name, arguments.seed);
+      observers.push_back(&*problems);
+    }
+    return observers;
   };
-  if (arguments.log) options.taps = taps_of(log, arguments.log_images);
-  if (arguments.live) {
-    auto& taps = options.taps;
-    taps.belief = both(taps.belief, std::function([&](const Belief& b) { feed.belief(b); }));
-    taps.driver = both(taps.driver, std::function([&](const RealTimeDriver& driver, double now) {
-                         feed.driver(driver, now);
-                       }));
-    taps.picture = [&](const Image& left, const std::vector<LandmarkSighting>& sightings) {
-      feed.picture(left, sightings);
-    };
-  }
   options.cancelled = catch_interrupts();
-  options.on_step = [&](const StepRecord& step) {
-    folder->add(step);
-    if (log) log->step(step);
-    if (live) feed.step(step);
-    progress.show(step, configuration.solver);
-  };
-  if (arguments.save_problems > 0) {
-    options.on_plan = [&](const StepRecord& step, const Planner& planner) {
-      if (step.step % arguments.save_problems != 0) return;
-      const auto saved = planned_problem(planner, step, name, arguments.seed);
-      if (saved) folder->add(*saved);
-    };
-  }
   ExplorationRunResult result = base.gazebo ? explore_gazebo(configuration, world, options)
                                 : base.dds  ? explore_dds(configuration, *base.dds, options)
                                             : run_exploration(world, configuration, options);

@@ -85,39 +85,55 @@ struct Capture {
   int step = 0;
 };
 
+/// Takes the problem of one planning step of a mission.
+class StepCapture final : public RunObserver {
+ public:
+  StepCapture(const Capture& wanted, NamedProblem& named, Progress& progress)
+      : wanted_(wanted), named_(named), progress_(progress) {}
+
+  void on_record(const StepRecord& record, const MissionStep& step) override {
+    steps_done = record.step + 1;
+    progress_.show(wanted_.name + ": step " + std::to_string(record.step) + " of " +
+                   std::to_string(wanted_.step) + ", " +
+                   std::to_string(std::lround(100.0 * record.coverage)) + " % explored");
+    if (record.step != wanted_.step) return;
+    if (step.made) named_.problem = step.made->problem;
+    if (!named_.problem) no_problem = record.certificate;
+    // Every back end starts from the same point: the best seed.
+    if (step.made && !step.made->seeds.empty()) named_.warm_start.x = step.made->seeds.front().z;
+  }
+
+  int steps_done = 0;
+  std::string no_problem;  // why the step has none
+
+ private:
+  const Capture& wanted_;
+  NamedProblem& named_;
+  Progress& progress_;
+};
+
 /// Runs the mission up to that planning step and takes the problem it meets there; none if it was
 /// cancelled before.
 NamedProblem capture(const Capture& wanted, const Configuration& configuration,
                      const Registries& registries, std::uint64_t seed, Progress& progress,
                      const std::function<bool()>& cancelled) {
-  int steps_done = 0;
-  std::string no_problem;  // why the step has none
   NamedProblem named{wanted.name, nullptr, {}};
+  StepCapture taken(wanted, named, progress);
   ExplorationRunOptions options;
   options.seed = seed;
   options.keep_steps = false;
   options.solvers = &registries.solvers;
-  options.on_plan = [&](const StepRecord& record, const Planner& planner) {
-    steps_done = record.step + 1;
-    progress.show(wanted.name + ": step " + std::to_string(record.step) + " of " +
-                  std::to_string(wanted.step) + ", " +
-                  std::to_string(std::lround(100.0 * record.coverage)) + " % explored");
-    if (record.step != wanted.step) return;
-    named.problem = planner.problem();
-    if (!named.problem) no_problem = record.certificate;
-    // Every back end starts from the same point: the best seed.
-    if (!planner.seeds().empty()) named.warm_start.x = planner.seeds().front().z;
-  };
-  options.cancelled = [&] { return steps_done > wanted.step || cancelled(); };
+  options.observers = [&](const Configuration&) { return std::vector<RunObserver*>{&taken}; };
+  options.cancelled = [&] { return taken.steps_done > wanted.step || cancelled(); };
   run_exploration(wanted.world, configuration, options);
   progress.finish();
-  if (!no_problem.empty()) {
-    throw InputError("problem '" + wanted.name + "': the step has none: " + no_problem +
+  if (!taken.no_problem.empty()) {
+    throw InputError("problem '" + wanted.name + "': the step has none: " + taken.no_problem +
                      "; expected another step");
   }
   if (!named.problem && !cancelled()) {
     throw InputError("problem '" + wanted.name + "': the mission ends after " +
-                     std::to_string(steps_done) + " steps; expected a step before that");
+                     std::to_string(taken.steps_done) + " steps; expected a step before that");
   }
   return named;
 }

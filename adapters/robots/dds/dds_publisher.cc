@@ -250,7 +250,7 @@ DdsPublisher::DdsPublisher(const DdsOptions& options, DdsNode& node, const DdsBa
     : impl_(std::make_unique<Impl>(options, node, base, clock, std::move(model))) {}
 DdsPublisher::~DdsPublisher() = default;
 
-void DdsPublisher::publish(const MissionStep& step) {
+void DdsPublisher::on_step(const MissionStep& step) {
   const Belief& belief = *step.belief;
   const ros::Header header{impl_->base.ros_time(belief.stamp), impl_->options.frames.map};
   std::vector<Pose> poses;

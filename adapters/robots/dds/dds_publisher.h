@@ -25,14 +25,14 @@ namespace prospect {
 /// Maps go out every output.map_period.
 ///
 /// Declares its topics on the node: make it before DdsNode::start(). Base, node and clock must
-/// outlive it. Thread-safety: one thread at a time. publish() throws only if memory is used up.
-class DdsPublisher {
+/// outlive it. Thread-safety: one thread at a time. on_step() throws only if memory is used up.
+class DdsPublisher final : public MissionObserver {
  public:
   DdsPublisher(const DdsOptions& options, DdsNode& node, const DdsBase& base, const Clock& clock,
                std::shared_ptr<const MotionModel> model);
-  ~DdsPublisher();
+  ~DdsPublisher() override;
 
-  void publish(const MissionStep& step);
+  void on_step(const MissionStep& step) override;
 
  private:
   struct Impl;

@@ -6,18 +6,19 @@
 
 #include "adapters/robots/faults/injected_fault.h"
 #include "runtime/clock.h"
+#include "runtime/mission_observer.h"
 
 namespace prospect {
 
-/// A disk that is stuck or slow as injected faults say: whoever writes waits.
-class FaultyDisk {
+/// A disk that is stuck or slow as injected faults say: the planner's thread waits at each step, as
+/// if it wrote to it.
+class FaultyDisk final : public MissionObserver {
  public:
   /// The clock outlives it; the time of the faults begins at `start` [s].
   FaultyDisk(const Clock& clock, std::vector<InjectedFault> faults, double start)
       : clock_(clock), faults_(std::move(faults)), start_(start) {}
 
-  /// Called where something is written.
-  void write() const {
+  void on_step(const MissionStep&) override {
     const double now = clock_.now(), time = now - start_;
     double wait = 0.0;
     if (const auto* stuck = fault_at(faults_, FaultSource::kDisk, FaultVerb::kStuck, time)) {

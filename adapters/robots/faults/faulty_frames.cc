@@ -85,17 +85,22 @@ void FaultyFrames::camera(FaultSource source, Stream<CameraContent>& stream, dou
        });
 }
 
-void FaultyFrames::pair(double stamp, ImagePair images) {
-  if (!any({FaultSource::kLeftCamera, FaultSource::kRightCamera, FaultSource::kCameras,
-            FaultSource::kClock})) {
-    return inbox_.pair(stamp, stamp, std::move(images));
+void FaultyFrames::observe(const SensorFrame& frame) {
+  const bool of_depth = any({FaultSource::kDepth, FaultSource::kClock});
+  const bool of_cameras = any({FaultSource::kLeftCamera, FaultSource::kRightCamera,
+                               FaultSource::kCameras, FaultSource::kClock});
+  if (const auto* image = std::get_if<DepthFrame>(&frame); image && of_depth) {
+    depth(image->stamp, *image->image);
+  } else if (const auto* rays = std::get_if<ScanFrame>(&frame); rays && of_depth) {
+    scan(rays->stamp, {*rays->in_B, rays->pose});
+  } else if (const auto* pair = std::get_if<StereoFrame>(&frame); pair && of_cameras) {
+    cameras(pair->left_stamp, CameraContent(pair->left), CameraContent(pair->right));
+  } else if (const auto* estimate = std::get_if<EstimateFrame>(&frame); estimate && of_cameras) {
+    const CameraContent content(estimate->belief);
+    cameras(estimate->stamp, content, content);
+  } else {
+    inbox_.observe(frame);
   }
-  cameras(stamp, std::move(images.left), std::move(images.right));
-}
-
-void FaultyFrames::pair(double stamp, std::shared_ptr<const Belief> estimate) {
-  const CameraContent content(std::move(estimate));
-  cameras(stamp, content, content);
 }
 
 void FaultyFrames::cameras(double stamp, CameraContent left, CameraContent right) {
@@ -111,9 +116,6 @@ double FaultyFrames::any_range() {
 }
 
 void FaultyFrames::depth(double stamp, DepthImage image) {
-  if (!any({FaultSource::kDepth, FaultSource::kClock})) {
-    return inbox_.depth(stamp, std::move(image));
-  }
   const std::lock_guard lock(mutex_);
   const double now = clock_.now(), time = now - start_;
   pass({FaultSource::kDepth}, depth_, stamp, std::move(image), now,
@@ -128,28 +130,24 @@ void FaultyFrames::depth(double stamp, DepthImage image) {
        });
 }
 
-void FaultyFrames::scan(double stamp, DepthScan in_B, std::shared_ptr<const Pose> pose) {
-  if (!any({FaultSource::kDepth, FaultSource::kClock})) {
-    return inbox_.scan(stamp, std::move(in_B), std::move(pose));
-  }
+void FaultyFrames::scan(double stamp, Scan measured) {
   const std::lock_guard lock(mutex_);
   const double now = clock_.now(), time = now - start_;
-  pass({FaultSource::kDepth}, scan_, stamp, Scan{std::move(in_B), std::move(pose)}, now,
-       [&](double told, Scan scan) {
-         DepthScan& rays = scan.in_B;
-         if (holds(FaultSource::kDepth, FaultVerb::kWrong, time)) {
-           for (auto& hit : rays.hits) hit = rays.origin + kDepthScale * (hit - rays.origin);
-         }
-         if (holds(FaultSource::kDepth, FaultVerb::kGarbage, time)) {
-           // Each ray ends anywhere.
-           rays.hits.insert(rays.hits.end(), rays.misses.begin(), rays.misses.end());
-           rays.misses.clear();
-           for (auto& hit : rays.hits) {
-             hit = rays.origin + any_range() * (hit - rays.origin).normalized();
-           }
-         }
-         inbox_.scan(told, std::move(rays), std::move(scan.pose));
-       });
+  pass({FaultSource::kDepth}, scan_, stamp, std::move(measured), now, [&](double told, Scan scan) {
+    DepthScan& rays = scan.in_B;
+    if (holds(FaultSource::kDepth, FaultVerb::kWrong, time)) {
+      for (auto& hit : rays.hits) hit = rays.origin + kDepthScale * (hit - rays.origin);
+    }
+    if (holds(FaultSource::kDepth, FaultVerb::kGarbage, time)) {
+      // Each ray ends anywhere.
+      rays.hits.insert(rays.hits.end(), rays.misses.begin(), rays.misses.end());
+      rays.misses.clear();
+      for (auto& hit : rays.hits) {
+        hit = rays.origin + any_range() * (hit - rays.origin).normalized();
+      }
+    }
+    inbox_.scan(told, std::move(rays), std::move(scan.pose));
+  });
 }
 
 }  // namespace prospect

@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "adapters/robots/faults/injected_fault.h"
-#include "models/image.h"
 #include "perception/mapping/depth_image.h"
 #include "runtime/clock.h"
+#include "runtime/frame_sink.h"
 #include "runtime/sensor_inbox.h"
 
 namespace prospect {
@@ -22,7 +22,7 @@ namespace prospect {
 /// they pass as they are.
 ///
 /// Thread-safety: any thread. Nothing throws after construction, but for want of memory.
-class FaultyFrames {
+class FaultyFrames final : public FrameSink {
  public:
   /// inbox and clock outlive it; the time of the faults begins at `start` [s]. `range` [m]: what
   /// depth:garbage lies in.
@@ -33,17 +33,15 @@ class FaultyFrames {
   static SensorInboxOptions inbox_options(SensorInboxOptions options,
                                           const std::vector<InjectedFault>& faults);
 
-  void pair(double stamp, ImagePair images);
-  /// Of cameras that are a model.
-  void pair(double stamp, std::shared_ptr<const Belief> estimate);
-  void depth(double stamp, DepthImage image);
-  void scan(double stamp, DepthScan in_B, std::shared_ptr<const Pose> pose = nullptr);
+  void observe(const SensorFrame& frame) override;
 
  private:
   struct Scan {
     DepthScan in_B;
     std::shared_ptr<const Pose> pose;
   };
+  void depth(double stamp, DepthImage image);
+  void scan(double stamp, Scan scan);
   template <class Content>
   struct Stream {
     std::optional<Content> newest;  // as sent last

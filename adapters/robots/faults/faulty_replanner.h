@@ -23,6 +23,7 @@ class FaultyReplanner final : public Replanner {
   void prepare(const Belief& belief) override { planner_.prepare(belief); }
   Plan plan(const Belief& belief) override;
   std::shared_ptr<const GlobalPlan> global_plan() const override { return planner_.global_plan(); }
+  std::shared_ptr<const PlanningStep> step() const override { return planner_.step(); }
   std::optional<ReturnPath> return_path(const Belief& belief) const override {
     return planner_.return_path(belief);
   }

@@ -122,14 +122,16 @@ WheelSample CameraSensors::wheels(double stamp, const Pose& true_pose) {
 
 void CameraSensors::image(double stamp, const Pose& true_pose, const Twist& twist) {
   const bool was_lost = images_ > 0 && localization() == Localization::kLost;
-  pair_ = rig_.stereo(true_pose, twist, images_++);
-  if (tap_.pair) tap_.pair(stamp, pair_);
+  ImagePair images = rig_.stereo(true_pose, twist, images_++);
+  pair_ = {stamp, stamp, std::make_shared<const Image>(std::move(images.left)),
+           std::make_shared<const Image>(std::move(images.right))};
+  deliver(pair_);
   if (stamp > wheel_stamp_ && has_wheels_) {
     const WheelSample sample = wheels(stamp, true_pose);
-    if (tap_.wheels) tap_.wheels(sample);
+    deliver(sample);
     perception_.wheels(sample);
   }
-  perception_.stereo({stamp, stamp, pair_.left.view(), pair_.right.view()});
+  perception_.stereo({stamp, stamp, pair_.left->view(), pair_.right->view()});
   losses_ += localization() == Localization::kLost && !was_lost;
 }
 
@@ -137,9 +139,10 @@ Pose CameraSensors::estimate(double stamp, const Pose&) const { return perceptio
 
 void CameraSensors::scan(double stamp, const Pose& true_pose, SeenArea& seen) {
   seen.look(looking_, true_pose);
-  DepthImage image = rig_.depth(true_pose, scans_++);
-  if (tap_.depth) tap_.depth(stamp, image);
-  if (enters_ranges_) perception_.depth(stamp, std::move(image));
+  const DepthFrame frame{stamp,
+                         std::make_shared<const DepthImage>(rig_.depth(true_pose, scans_++))};
+  deliver(frame);
+  if (enters_ranges_) enter(stamp, frame);
 }
 
 void CameraSensors::enter(double stamp, const SensorFrame& ranges) {

@@ -50,7 +50,6 @@ class CameraSensors final : public SimulatedSensors {
                                        const Twist& commanded) override;
   Pose estimate(double stamp, const Pose& true_pose) const override;
   Localization localization() const override { return perception_.frame().state; }
-  void set_tap(SensorTap tap) override { tap_ = std::move(tap); }
   int losses() const override { return losses_; }
   std::string complaint() const override { return perception_.complaint(); }
   CameraPicture picture() const override;
@@ -63,10 +62,9 @@ class CameraSensors final : public SimulatedSensors {
   DepthCamera looking_;  ///< what the depth camera's rays pass in truth, for evaluation
   bool has_wheels_;
   PerceptionPipeline perception_;
-  SensorTap tap_;
 
   std::uint64_t images_ = 0, scans_ = 0;
-  ImagePair pair_;
+  StereoFrame pair_;  // the newest
   int losses_ = 0;
 
   std::mt19937_64 wheel_noise_;

@@ -43,9 +43,10 @@ FeatureSensors::FeatureSensors(const World& world, const SimulatorOptions& optio
 
 void FeatureSensors::scan(double stamp, const Pose& true_pose, SeenArea& seen) {
   ScanFrame frame;
+  frame.stamp = stamp;
   frame.in_B = std::make_shared<const DepthScan>(seen.look(depth_, true_pose));
   frame.pose = std::make_shared<const Pose>(odometry_.estimate(true_pose));
-  if (tap_.scan) tap_.scan(stamp, *frame.in_B);
+  deliver(frame);
   if (enters_ranges_) enter(stamp, frame);
 }
 

@@ -37,7 +37,6 @@ class FeatureSensors final : public SimulatedSensors {
                                        const Twist& commanded) override;
   Pose estimate(double stamp, const Pose& true_pose) const override;
   Localization localization() const override { return odometry_.localization(); }
-  void set_tap(SensorTap tap) override { tap_ = std::move(tap); }
   int losses() const override { return odometry_.losses(); }
 
  private:
@@ -51,7 +50,6 @@ class FeatureSensors final : public SimulatedSensors {
   OdometryModel odometry_;
   LandmarkBuilder landmarks_;
   OccupancyMapper mapper_;
-  SensorTap tap_;
 
   double scan_stamp_ = 0.0, image_stamp_ = 0.0;  // [s], of the newest
   bool any_image_ = false;

@@ -5,20 +5,12 @@
 #include <vector>
 
 #include "adapters/robots/simulator/seen_area.h"
-#include "adapters/robots/simulator/sensor_tap.h"
 #include "engine/maps/belief.h"
-#include "models/image.h"
 #include "models/types.h"
-#include "perception/odometry/stereo_odometry.h"
-#include "runtime/sensor_inbox.h"
+#include "runtime/camera_picture.h"
+#include "runtime/frame_sink.h"
 
 namespace prospect {
-
-/// An image and the landmarks that were to be seen in it.
-struct CameraPicture {
-  Image image;
-  std::vector<LandmarkSighting> sightings;
-};
 
 /// How a simulated robot perceives: images and depth scans, taken at true poses, become an estimate
 /// and maps. FeatureSensors models that, CameraSensors does it.
@@ -52,14 +44,21 @@ class SimulatedSensors {
   /// Why the sensors cannot be trusted, e.g. a calibration that is wrong; empty: nothing is known
   /// against them.
   virtual std::string complaint() const { return {}; }
-  /// From now on, who listens to what is measured.
-  virtual void set_tap(SensorTap tap) = 0;
+  /// Who gets what is measured from now on, with the simulator's time [s], on the thread that the
+  /// sensors are used on: stereo pairs, wheel motion, depth images, scans. Null: nobody.
+  void deliver_to(FrameSink* sink) { sink_ = sink; }
 
-  /// The newest left image; empty where there is none.
+  /// The newest left image; without an image where there is none.
   virtual CameraPicture picture() const { return {}; }
 
  protected:
+  void deliver(const SensorFrame& frame) {
+    if (sink_ != nullptr) sink_->observe(frame);
+  }
   bool enters_ranges_ = true;  // at once
+
+ private:
+  FrameSink* sink_ = nullptr;
 };
 
 }  // namespace prospect

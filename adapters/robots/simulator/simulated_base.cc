@@ -8,9 +8,9 @@
 
 namespace prospect {
 
-SimulatedTruth truth_of(const Simulator& s) {
+TrueState truth_of(const Simulator& s) {
   return {s.true_pose(),   s.coverage(),   s.seen_area(), s.localization_error(),
-          s.path_length(), s.collisions(), s.losses(),    s.picture()};
+          s.path_length(), s.collisions(), s.losses()};
 }
 
 SimulatedBase::SimulatedBase(Simulator& simulator, const Clock& clock, const MotionModel& model,
@@ -80,7 +80,7 @@ void SimulatedBase::advance(double now) {
   for (const auto& [end, command] : pieces) {
     simulator_.apply(command, end - (epoch_ + simulator_.time()));
   }
-  SimulatedTruth truth = truth_of(simulator_);
+  TrueState truth = truth_of(simulator_);
   const std::lock_guard lock(mutex_);
   truth_ = std::move(truth);
 }
@@ -92,7 +92,7 @@ bool SimulatedBase::holds_command() const {
                      [&](const Order& order) { return order.acts <= now && now < order.ends; });
 }
 
-SimulatedTruth SimulatedBase::truth() const {
+TrueState SimulatedBase::newest() const {
   const std::lock_guard lock(mutex_);
   return truth_;
 }

@@ -10,21 +10,11 @@
 #include "models/motion_model.h"
 #include "runtime/base.h"
 #include "runtime/clock.h"
+#include "runtime/truth.h"
 
 namespace prospect {
 
-/// What is true of a simulated robot, for evaluation.
-struct SimulatedTruth {
-  Pose pose;
-  double coverage = 0.0;
-  double seen_area = 0.0;           ///< [m^2]
-  double localization_error = 0.0;  ///< [m]
-  double path_length = 0.0;         ///< [m]
-  int collisions = 0;
-  int losses = 0;
-  CameraPicture picture;  ///< newest left image; empty without cameras
-};
-SimulatedTruth truth_of(const Simulator& simulator);
+TrueState truth_of(const Simulator& simulator);
 
 /// The simulator's motors in real time: a base that takes commands with an expiry. The world goes
 /// on with the clock, whether commands come or not. Its time 0 is the clock's when this was made.
@@ -38,7 +28,7 @@ SimulatedTruth truth_of(const Simulator& simulator);
 /// simulator belongs until all threads have ended; the others from any. Nobody waits for the
 /// simulator but advance(). Errors: the constructor throws std::invalid_argument on options out of
 /// range.
-class SimulatedBase final : public Base {
+class SimulatedBase final : public Base, public Truth {
  public:
   /// simulator and clock outlive it.
   SimulatedBase(Simulator& simulator, const Clock& clock, const MotionModel& model,
@@ -54,7 +44,8 @@ class SimulatedBase final : public Base {
   /// Brings the world up to the time `now` [s] of the clock.
   void advance(double now);
 
-  SimulatedTruth truth() const;
+  TrueState at(const Belief&) override { return newest(); }
+  TrueState newest() const override;
   /// Whether a command is in force; else it has expired, or there was none.
   bool holds_command() const;
   double start() const { return epoch_; }  ///< [s] of the clock, the simulator's time 0
@@ -74,7 +65,7 @@ class SimulatedBase final : public Base {
   BaseLimits limits_;
   mutable std::mutex mutex_;  // orders_, truth_
   std::deque<Order> orders_;  // in order of time
-  SimulatedTruth truth_;
+  TrueState truth_;
 };
 
 }  // namespace prospect

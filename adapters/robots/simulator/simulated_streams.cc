@@ -1,6 +1,6 @@
 #include "adapters/robots/simulator/simulated_streams.h"
 
-#include <utility>
+#include <type_traits>
 #include <variant>
 
 namespace prospect {
@@ -12,6 +12,20 @@ void shift(Belief& belief, double by) {
   belief.stamps.map += by;
   belief.stamps.landmarks += by;
   belief.stamps.ranges += by;
+}
+
+SensorFrame later(SensorFrame frame, double by) {
+  std::visit(
+      [by](auto& f) {
+        if constexpr (std::is_same_v<std::decay_t<decltype(f)>, StereoFrame>) {
+          f.left_stamp += by;
+          f.right_stamp += by;
+        } else {
+          f.stamp += by;
+        }
+      },
+      frame);
+  return frame;
 }
 
 void take_cameras(const Belief& from, Belief& to) {
@@ -34,38 +48,28 @@ SensorInboxOptions simulated_inbox(SensorInboxOptions options) {
 }
 
 SimulatedStreams::SimulatedStreams(SimulatedBase& base, Simulator& simulator, const Clock& clock,
-                                   SensorInbox& inbox, SimulatedFrames frames, double period,
-                                   SensorTap listeners)
+                                   SensorInbox& inbox, FrameSink& frames, double period)
     : base_(base),
       simulator_(simulator),
       clock_(clock),
       inbox_(inbox),
-      frames_(std::move(frames)),
+      frames_(frames),
       period_(period),
-      listeners_(std::move(listeners)),
       updated_(clock.now()) {
-  const double epoch = base.start();
-  SensorTap tap;
-  tap.scan = [this, epoch](double stamp, const DepthScan& in_B) {
-    frames_.scan(epoch + stamp, in_B, simulator_.estimated_pose());
-    if (listeners_.scan) listeners_.scan(epoch + stamp, in_B);
-  };
-  tap.depth = [this, epoch](double stamp, const DepthImage& depth) {
-    frames_.depth(epoch + stamp, depth);
-    if (listeners_.depth) listeners_.depth(epoch + stamp, depth);
-  };
-  tap.pair = [this, epoch](double stamp, const ImagePair& pair) {
-    if (listeners_.pair) listeners_.pair(epoch + stamp, pair);
-  };
-  tap.wheels = [this, epoch](WheelSample sample) {
-    sample.stamp += epoch;
-    if (listeners_.wheels) listeners_.wheels(sample);
-  };
-  simulator_.set_tap(std::move(tap));
+  simulator_.deliver_to(this);
   simulator_.leave_ranges();
 }
 
-SimulatedStreams::~SimulatedStreams() { simulator_.set_tap({}); }
+SimulatedStreams::~SimulatedStreams() { simulator_.deliver_to(nullptr); }
+
+void SimulatedStreams::observe(const SensorFrame& measured) {
+  const SensorFrame frame = later(measured, base_.start());
+  const bool ranges =
+      std::holds_alternative<ScanFrame>(frame) || std::holds_alternative<DepthFrame>(frame);
+  // What cameras and wheels have measured is in the estimate.
+  if (ranges) frames_.observe(frame);
+  tell(observers_, &MissionObserver::on_frame, frame);
+}
 
 void SimulatedStreams::take_frames() {
   while (const std::optional<SensorFrame> frame = inbox_.take()) {
@@ -88,7 +92,7 @@ std::shared_ptr<const Belief> SimulatedStreams::update(const std::stop_token& st
   take_frames();
   auto made = std::make_shared<Belief>(*simulator_.sense());
   shift(*made, base_.start());
-  frames_.pair(made->stamps.pose, made);
+  frames_.observe(EstimateFrame{made->stamps.pose, made});
   take_frames();
   if (!of_cameras_) return nullptr;
   auto known = std::make_shared<Belief>(*made);

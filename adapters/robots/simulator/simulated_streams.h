@@ -1,45 +1,24 @@
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <optional>
 #include <stop_token>
-#include <utility>
+#include <string>
 
-#include "adapters/robots/simulator/sensor_tap.h"
 #include "adapters/robots/simulator/simulated_base.h"
 #include "adapters/robots/simulator/simulator.h"
 #include "engine/maps/belief.h"
 #include "runtime/belief_source.h"
 #include "runtime/clock.h"
+#include "runtime/frame_sink.h"
 #include "runtime/sensor_inbox.h"
 
 namespace prospect {
 
-/// Who gets what the sensors of a simulated robot measure, stamped in the runtime's clock [s]: an
-/// inbox, or what stands before it. All are called by one thread.
-struct SimulatedFrames {
-  /// What both cameras together make known, for each belief.
-  std::function<void(double stamp, std::shared_ptr<const Belief> estimate)> pair;
-  /// pose: where the robot took itself to be.
-  std::function<void(double stamp, const DepthScan& in_B, const Pose& pose)> scan;
-  std::function<void(double stamp, const DepthImage& depth)> depth;
-};
-/// Into FaultyFrames, which outlives them.
-template <class Frames>
-SimulatedFrames frames_into(Frames& frames) {
-  return {[&frames](double stamp, std::shared_ptr<const Belief> estimate) {
-            frames.pair(stamp, std::move(estimate));
-          },
-          [&frames](double stamp, const DepthScan& in_B, const Pose& pose) {
-            frames.scan(stamp, in_B, std::make_shared<const Pose>(pose));
-          },
-          [&frames](double stamp, const DepthImage& depth) { frames.depth(stamp, depth); }};
-}
 /// As an inbox must take them.
 SensorInboxOptions simulated_inbox(SensorInboxOptions options);
 
-/// What a simulated robot knows in real time: its sensors' frames go out to SimulatedFrames and
+/// What a simulated robot knows in real time: its sensors' frames go out to a FrameSink and
 /// come back through an inbox, which pairs, shifts and refuses them as it does those of a real
 /// robot. What comes back decides what is known: pose, twist, covariance, localization and
 /// landmarks are the cameras', the maps are made of the depth sensor's frames. Nothing carries the
@@ -47,29 +26,31 @@ SensorInboxOptions simulated_inbox(SensorInboxOptions options);
 /// pair.
 ///
 /// Thread-safety: update() from one thread, which brings the world up to date with it.
-class SimulatedStreams final : public BeliefSource {
+class SimulatedStreams final : public BeliefSource, private FrameSink {
  public:
-  /// period: [s] from one belief to the next. listeners: who hears of what is measured, before
-  /// anything becomes of it, in the runtime's clock. base, simulator, clock and inbox outlive it.
+  /// frames: the inbox, or what stands before it. period: [s] from one belief to the next. All
+  /// outlive it. Observers are told of what is measured, before anything becomes of it.
   SimulatedStreams(SimulatedBase& base, Simulator& simulator, const Clock& clock,
-                   SensorInbox& inbox, SimulatedFrames frames, double period,
-                   SensorTap listeners = {});
+                   SensorInbox& inbox, FrameSink& frames, double period);
   ~SimulatedStreams() override;
   SimulatedStreams(const SimulatedStreams&) = delete;
   SimulatedStreams& operator=(const SimulatedStreams&) = delete;
 
   std::shared_ptr<const Belief> update(const std::stop_token& stop) override;
+  std::shared_ptr<const Belief> known() override { return simulator_.sense(); }
+  std::string complaint() const override { return simulator_.complaint(); }
+  CameraPicture picture() override { return simulator_.picture(); }
 
  private:
+  void observe(const SensorFrame& measured) override;  // by the simulator, in its time
   void take_frames();
 
   SimulatedBase& base_;
   Simulator& simulator_;
   const Clock& clock_;
   SensorInbox& inbox_;
-  const SimulatedFrames frames_;
+  FrameSink& frames_;
   const double period_;
-  const SensorTap listeners_;
   double updated_;                    // [s]
   std::optional<Belief> of_cameras_;  // the newest that came through
 };

@@ -124,7 +124,7 @@ void Simulator::apply(const Twist& twist, double duration) {
   s.time = end;
 }
 
-void Simulator::set_tap(SensorTap tap) { impl_->sensors->set_tap(std::move(tap)); }
+void Simulator::deliver_to(FrameSink* sink) { impl_->sensors->deliver_to(sink); }
 void Simulator::leave_ranges() { impl_->sensors->leave_ranges(); }
 void Simulator::enter(double stamp, const SensorFrame& ranges) {
   impl_->sensors->enter(stamp, ranges);

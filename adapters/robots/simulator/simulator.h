@@ -46,9 +46,8 @@ class Simulator {
   /// [s], taking images and scans on the way. On contact the robot stands still for the rest of it.
   void apply(const Twist& twist, double duration);
 
-  /// Who listens to the sensors from now on, on the thread of apply().
-  void set_tap(SensorTap tap);
   // As SimulatedSensors.
+  void deliver_to(FrameSink* sink);
   void leave_ranges();
   void enter(double stamp, const SensorFrame& ranges);
 

@@ -276,12 +276,12 @@ void FoxgloveShow::add(const LiveFeed::News& news) {
   if (news.driver) {
     std::uint64_t dropped = 0;
     for (const FoxgloveViewer* viewer : impl_->viewers) dropped += viewer->dropped();
-    messages.status(news.driver->now, news.driver->status, "live view",
+    messages.status(news.driver->health.stamp, news.driver->status, "live view",
                     dropped > 0 ? std::to_string(dropped) + " messages dropped" : "");
   }
   if (news.picture && !impl_->viewers.empty()) {
-    messages.picture(impl_->stamp, landmark_picture(0, news.picture->image, news.picture->sightings,
-                                                    kLivePictureWidth));
+    messages.picture(impl_->stamp, landmark_picture(0, *news.picture->image,
+                                                    news.picture->sightings, kLivePictureWidth));
   }
 }
 

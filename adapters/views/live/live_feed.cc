@@ -28,34 +28,33 @@ void add(std::vector<Value>& list, Value value, std::uint64_t& dropped) {
 
 }  // namespace
 
-void LiveFeed::step(const StepRecord& step) {
-  std::shared_ptr<const StepRecord> copy = std::make_shared<StepRecord>(step);
+void LiveFeed::on_record(const StepRecord& record, const MissionStep&) {
+  std::shared_ptr<const StepRecord> copy = std::make_shared<StepRecord>(record);
   const std::lock_guard lock(mutex_);
   add(news_.steps, std::move(copy), news_.dropped);
 }
 
-void LiveFeed::belief(const Belief& belief) {
+void LiveFeed::on_belief(const Belief& belief) {
   std::shared_ptr<const LivePose> copy = std::make_shared<LivePose>(
       LivePose{belief.stamp, belief.pose, belief.covariance, belief.twist, belief.localization});
   const std::lock_guard lock(mutex_);
   news_.pose.swap(copy);
 }
 
-void LiveFeed::driver(const RealTimeDriver& driver, double now) {
-  if (!is_due(driver_at_)) return;
-  EventLog::Reading reading = driver.events().since(next_event_);
-  next_event_ = reading.next;
-  std::shared_ptr<const LiveDriver> copy =
-      std::make_shared<LiveDriver>(LiveDriver{now, driver.status(), driver.health()});
+void LiveFeed::on_events(std::span<const Event> events) {
   const std::lock_guard lock(mutex_);
-  news_.driver.swap(copy);
-  for (Event& event : reading.events) add(news_.events, std::move(event), news_.dropped);
+  for (const Event& event : events) add(news_.events, event, news_.dropped);
 }
 
-void LiveFeed::picture(const Image& left, const std::vector<LandmarkSighting>& sightings) {
-  if (!wants_pictures() || left.pixels.empty() || !is_due(picture_at_)) return;
-  std::shared_ptr<const LivePicture> copy =
-      std::make_shared<LivePicture>(LivePicture{left, sightings});
+void LiveFeed::on_status(const DriverStatus& status, const HealthReport& health) {
+  std::shared_ptr<const LiveDriver> copy = std::make_shared<LiveDriver>(LiveDriver{status, health});
+  const std::lock_guard lock(mutex_);
+  news_.driver.swap(copy);
+}
+
+void LiveFeed::on_picture(const CameraPicture& picture) {
+  if (!wants_pictures() || picture.image->pixels.empty() || !is_due(picture_at_)) return;
+  std::shared_ptr<const CameraPicture> copy = std::make_shared<CameraPicture>(picture);
   const std::lock_guard lock(mutex_);
   news_.picture.swap(copy);
 }

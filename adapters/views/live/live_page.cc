@@ -50,7 +50,7 @@ Json drive_json(const LiveDriver& driver) {
     checks.push_back(
         {{"check", check.check}, {"verdict", to_string(check.verdict)}, {"why", check.why}});
   }
-  return {{"now", driver.now},
+  return {{"now", h.stamp},
           {"mode", to_string(s.mode.mode)},
           {"cause", to_string(s.mode.cause)},
           {"why", s.why},
@@ -101,9 +101,9 @@ std::string pose_message(const LivePose& pose) {
                     {"localization", to_string(pose.localization)}});
 }
 
-std::string picture_message(const LivePicture& picture) {
+std::string picture_message(const CameraPicture& picture) {
   Json json =
-      pictures_json({landmark_picture(0, picture.image, picture.sightings, kLivePictureWidth)});
+      pictures_json({landmark_picture(0, *picture.image, picture.sightings, kLivePictureWidth)});
   return json_text({{"op", "picture"}, {"picture", std::move(json[0])}});
 }
 

@@ -26,7 +26,7 @@ std::string live_page(const RunRecord& start);
 std::string steps_message(const std::vector<std::shared_ptr<const StepRecord>>& steps,
                           double resolution);
 std::string pose_message(const LivePose& pose);
-std::string picture_message(const LivePicture& picture);
+std::string picture_message(const CameraPicture& picture);
 std::string end_message(const Summary& summary);
 
 /// What the robot's viewers are told of each other.

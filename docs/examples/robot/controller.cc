@@ -73,6 +73,16 @@ class MyRobot final : public Base, public BeliefSource {
   double moved_, expires_ = 0.0;
 };
 
+// Whoever watches the mission: on the planner's thread, after each step.
+class Printed final : public MissionObserver {
+  void on_step(const MissionStep& step) override {
+    const Twist v = step.plan->command_at(step.plan->stamp);
+    std::printf("%5.2f s: knows %.1f m2; %.3f m/s, %+.3f rad/s; guard %s; %s\n", step.time,
+                step.global_plan->explored_area, v.linear.x(), v.yaw_rate,
+                to_string(step.guard_reason).data(), step.plan->why.c_str());
+  }
+};
+
 int main() {
   RobotDescription description;
   description.model = std::make_shared<Unicycle>();
@@ -111,12 +121,9 @@ int main() {
   mission.missing = [](const MissionStep& step) -> std::string {
     return step.global_plan->explored_area > 33.0 ? "" : "33 m2 were not seen";
   };
-  const MissionResult result = driver.run(mission, [](const MissionStep& step) {
-    const Twist v = step.plan->command_at(step.plan->stamp);
-    std::printf("%5.2f s: knows %.1f m2; %.3f m/s, %+.3f rad/s; guard %s; %s\n", step.time,
-                step.global_plan->explored_area, v.linear.x(), v.yaw_rate,
-                to_string(step.guard_reason).data(), step.plan->why.c_str());
-  });
+  Printed printed;
+  mission.observers = {&printed};
+  const MissionResult result = driver.run(mission);
   std::printf("%s%s\ncapture to command: %s\n", to_text(checked.checks).c_str(),
               result.detail.c_str(), driver.status().capture_to_command.to_text().c_str());
 }

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <memory>
 #include <sstream>
 #include <string>
 
@@ -58,6 +59,11 @@ class MissionLogTest : public testing::Test {
     return record;
   }
 
+  static StereoFrame pair_at(double stamp) {
+    return {stamp, stamp, std::make_shared<const Image>(8, 6, 7),
+            std::make_shared<const Image>(8, 6, 9)};
+  }
+
   std::string path_;
   Configuration configuration_;
   RunStart start_;
@@ -69,7 +75,7 @@ TEST_F(MissionLogTest, TheReportIsThatOfTheRun) {
   options_.images = true;
   {
     MissionLog log(path_, start_, options_);
-    for (const StepRecord& step : record.steps) log.step(step);
+    for (const StepRecord& step : record.steps) log.on_record(step, {});
     log.finish(record);
     EXPECT_THAT(log.notes(), testing::IsEmpty());
   }
@@ -100,7 +106,7 @@ TEST_F(MissionLogTest, AKilledOneHasTheStepsThatCame) {
   options_.file.file.chunk_size = 20000;
   {
     MissionLog log(path_, start_, options_);
-    for (const StepRecord& step : record.steps) log.step(step);
+    for (const StepRecord& step : record.steps) log.on_record(step, {});
     log.finish(record);
   }
   fs::resize_file(path_, fs::file_size(path_) / 2);
@@ -131,21 +137,24 @@ TEST_F(MissionLogTest, EveryTopicHasItsMessage) {
     belief.pose = {{1.0, 2.0, 0.25}, 0.5};
     belief.twist.yaw_rate = 0.125;
     belief.covariance(3, 0) = 0.75;
-    log.belief(belief);
-    log.command(1.6, {{0.25, 0.0, 0.0}, -0.5});
+    log.on_belief(belief);
+    log.on_command(1.6, {{0.25, 0.0, 0.0}, -0.5});
     Event event;
     event.last_stamp = 1.75;
     event.severity = Severity::kError;
     event.source = "guard";
     event.cause = "map";
     event.text = "something stands there";
-    log.events({event});
-    log.status(2.0, DriverStatus());
-    log.scan(2.0, {{0.0, 0.0, 0.4}, {{1.0, 0.0, 0.4}}, {{0.0, 2.0, 0.4}}});
-    log.wheels({2.0, {0.3, 0.0}, 0.1});
-    log.pair(2.0, {Image(8, 6, 7), Image(8, 6, 9)});
-    log.depth(2.0, DepthImage(4, 3, 1.25F));
-    log.step(run(1).steps[0]);
+    log.on_events({&event, 1});
+    HealthReport health;
+    health.stamp = 2.0;
+    log.on_status(DriverStatus(), health);
+    const DepthScan scan{{0.0, 0.0, 0.4}, {{1.0, 0.0, 0.4}}, {{0.0, 2.0, 0.4}}};
+    log.on_frame(ScanFrame{2.0, std::make_shared<const DepthScan>(scan)});
+    log.on_frame(WheelSample{2.0, {0.3, 0.0}, 0.1});
+    log.on_frame(pair_at(2.0));
+    log.on_frame(DepthFrame{2.0, std::make_shared<const DepthImage>(4, 3, 1.25F)});
+    log.on_record(run(1).steps[0], {});
     log.finish(RunRecord());
   }
   const BagFile bag = BagFile::open(path_);
@@ -189,9 +198,9 @@ TEST_F(MissionLogTest, EveryTopicHasItsMessage) {
 TEST_F(MissionLogTest, WithoutImagesThereAreNone) {
   {
     MissionLog log(path_, start_, options_);
-    log.pair(0.0, {Image(8, 6), Image(8, 6)});
-    log.depth(0.0, DepthImage(4, 3));
-    log.step(run(1).steps[0]);
+    log.on_frame(pair_at(0.0));
+    log.on_frame(DepthFrame{0.0, std::make_shared<const DepthImage>(4, 3)});
+    log.on_record(run(1).steps[0], {});
     log.finish(run(1));
   }
   const BagFile bag = BagFile::open(path_);
@@ -239,7 +248,7 @@ TEST_F(MissionLogTest, AConfigurationThatCannotBeReadCostsTheRobotOnly) {
   start_.configuration = "planner: {terms: {of_a_plugin: {}}}\n";
   {
     MissionLog log(path_, start_, options_);
-    log.step(run(1).steps[0]);
+    log.on_record(run(1).steps[0], {});
     log.finish(run(1));
   }
   const LoggedRun read = read_logged_run(path_);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -11,6 +12,7 @@
 #include "adapters/formats/worlds/world_file.h"
 #include "adapters/missions/config/configuration.h"
 #include "adapters/missions/run/exploration_run.h"
+#include "tests/adapters/record_observer.h"
 
 namespace prospect::long_body_mission_test {
 namespace {
@@ -39,10 +41,11 @@ TEST(LongBodyMission, GoesThroughADoorAndACorridorNotMuchWiderThanItself) {
   double farthest = 0.0, coverage = 0.0;
   ExplorationRunOptions options;
   options.keep_steps = false;
-  options.on_step = [&](const StepRecord& step) {
+  test::RecordObserver observer([&](const StepRecord& step) {
     farthest = std::max(farthest, step.true_pose.position.x());
     coverage = step.coverage;
-  };
+  });
+  options.observers = std::ref(observer);
   options.cancelled = [&] { return farthest > 8.6 && coverage > 0.97; };
   const Summary summary = run_exploration(world, configuration, options).record.summary;
   EXPECT_GT(farthest, 8.6) << "into the last room";

@@ -20,6 +20,7 @@
 #include "adapters/missions/run/exploration_run.h"
 #include "engine/support/named.h"
 #include "models/range_text.h"
+#include "tests/adapters/record_observer.h"
 
 namespace prospect::mission_history_test {
 namespace {
@@ -68,7 +69,7 @@ std::string history(const Told& told) {
   ExplorationRunOptions options;
   options.seed = told.seed;
   options.keep_steps = false;
-  options.on_step = [&](const StepRecord& s) {
+  test::RecordObserver observer([&](const StepRecord& s) {
     rows += std::to_string(s.step) + ',' + exact_text(s.estimated_pose.position.x()) + ',' +
             exact_text(s.estimated_pose.position.y()) + ',' + exact_text(s.estimated_pose.yaw) +
             ',' + exact_text(s.command.linear.x()) + ',' + exact_text(s.command.yaw_rate) + ',' +
@@ -82,7 +83,8 @@ std::string history(const Told& told) {
       rows += ',';
     }
     rows += ',' + csv::field(s.certificate) + '\n';
-  };
+  });
+  options.observers = std::ref(observer);
   run_exploration(world, configuration, options);
   return rows;
 }

@@ -18,8 +18,7 @@ namespace {
 
 TEST(RunRecorder, OfALongRunOnlySomeStepsHoldMemoryForTheirPlans) {
   const Configuration configuration = read_configuration("");
-  const ExplorationRunOptions options;
-  RunRecorder recorder(configuration, options, nullptr);
+  RunRecorder recorder(configuration);
   Belief belief;
   belief.ground = std::make_shared<const GroundMap>(GridFrame{0.1, 0, 0, 10, 10});
   GlobalPlan global_plan;
@@ -37,9 +36,9 @@ TEST(RunRecorder, OfALongRunOnlySomeStepsHoldMemoryForTheirPlans) {
     step.belief = &belief;
     step.plan = &plan;
     step.global_plan = &global_plan;
-    recorder.add(step, {});
+    recorder.on_step(step);
   }
-  const RunRecord record = recorder.finish({}, "a world", {}, nullptr);
+  const RunRecord record = recorder.finish({}, "a world", nullptr, nullptr);
   ASSERT_EQ(record.steps.size(), steps);
   for (const StepRecord& step : record.steps) {
     const bool kept = step.step % 2 == 0;
@@ -59,8 +58,7 @@ TEST(RunRecorder, OfALongRunOnlySomeStepsHoldMemoryForTheirPlans) {
 TEST(RunRecorder, TheClearanceIsThatOfTheTermThatMeasuresIt) {
   Configuration configuration = read_configuration("");
   configuration.planner.d_safe = 0.0625;
-  const ExplorationRunOptions options;
-  RunRecorder recorder(configuration, options, nullptr);
+  RunRecorder recorder(configuration);
   Belief belief;
   belief.ground = std::make_shared<const GroundMap>(GridFrame{0.1, 0, 0, 10, 10});
   Plan plan;
@@ -69,16 +67,15 @@ TEST(RunRecorder, TheClearanceIsThatOfTheTermThatMeasuresIt) {
   MissionStep step;
   step.belief = &belief;
   step.plan = &plan;
-  recorder.add(step, {});
-  EXPECT_EQ(recorder.finish({}, "a world", {}, nullptr).steps[0].clearance, 0.3125);
+  recorder.on_step(step);
+  EXPECT_EQ(recorder.finish({}, "a world", nullptr, nullptr).steps[0].clearance, 0.3125);
 }
 
 // The belief's two maps differ, which a step meets after it has chosen its landmarks.
 TEST(RunRecorder, AStepThatFailsOnTheWayIsRecordedAsOneThatMadeNothing) {
   const Configuration configuration = read_configuration("");
-  const ExplorationRunOptions options;
   Planner planner(configuration.robot, configuration.planner, SolverRegistry().make("nlopt"));
-  RunRecorder recorder(configuration, options, &planner);
+  RunRecorder recorder(configuration);
   Belief belief;
   const GridFrame frame{0.1, -20, -20, 40, 40};
   VoxelGrid voxels(frame, 0.0, 0.6);
@@ -100,8 +97,9 @@ TEST(RunRecorder, AStepThatFailsOnTheWayIsRecordedAsOneThatMadeNothing) {
   step.plan = &plan;
   const std::shared_ptr<const GlobalPlan> global_plan = planner.global_plan();
   step.global_plan = global_plan.get();
-  recorder.add(step, {});
-  const RunRecord record = recorder.finish({}, "a world", {}, nullptr);
+  step.made = planner.step();
+  recorder.on_step(step);
+  const RunRecord record = recorder.finish({}, "a world", nullptr, nullptr);
   ASSERT_EQ(record.steps.size(), 1U);
   EXPECT_TRUE(record.steps[0].landmarks.empty());
   EXPECT_TRUE(record.steps[0].candidates.empty());

@@ -118,7 +118,7 @@ TEST(DdsPublisher, TellsTheOtherNodesWhatTheMissionDoes) {
       kPatience, [&] { return listener.has_all(); },
       [&] {
         listener.odometry();
-        publisher.publish(step);
+        publisher.on_step(step);
       }));
   const auto path = listener.newest<ros::Path>(options.output.path);
   EXPECT_EQ(path.header.frame_id, "map");

@@ -43,11 +43,12 @@ struct Broken {
     Came came;
     for (; (clock.time = 100.05 + 0.1 * count) < 100.0 + end;) {
       const auto number = static_cast<std::uint8_t>(++count);
-      frames.pair(clock.time, {Image(2, 1, number), Image(2, 1, number)});
-      frames.depth(clock.time, DepthImage(2, 1, 2.0f));
+      const auto image = std::make_shared<const Image>(2, 1, number);
+      frames.observe(StereoFrame{clock.time, clock.time, image, image});
+      frames.observe(DepthFrame{clock.time, std::make_shared<const DepthImage>(2, 1, 2.0f)});
       DepthScan scan;
       scan.hits = {{1.0 * count, 0.0, 0.0}};
-      frames.scan(clock.time, scan);
+      frames.observe(ScanFrame{clock.time, std::make_shared<const DepthScan>(scan)});
       while (const auto frame = inbox.take()) {
         if (const auto* p = std::get_if<StereoFrame>(&*frame)) came.pairs.push_back(*p);
         if (const auto* d = std::get_if<DepthFrame>(&*frame)) came.depths.push_back(*d);
@@ -135,7 +136,8 @@ TEST(FaultyFrames, ScansThatLie) {
     Pose pose;
     pose.yaw = 0.5;
     b.clock.time = 101.5;
-    b.frames.scan(101.5, rays, std::make_shared<const Pose>(pose));
+    b.frames.observe(ScanFrame{101.5, std::make_shared<const DepthScan>(rays),
+                               std::make_shared<const Pose>(pose)});
     std::optional<ScanFrame> came;
     while (const auto frame = b.inbox.take()) came = std::get<ScanFrame>(*frame);
     EXPECT_EQ(came->pose->yaw, 0.5) << fault;
@@ -163,7 +165,7 @@ TEST(FaultyFrames, ModelsOfCamerasAreBrokenAsCamerasAre) {
       b.clock.time = 100.0 + 0.1 * k;
       auto made = std::make_shared<Belief>();
       made->pose.position.x() = k;
-      b.frames.pair(b.clock.time, made);
+      b.frames.observe(EstimateFrame{b.clock.time, made});
       while (const auto frame = b.inbox.take()) came.push_back(std::get<EstimateFrame>(*frame));
     }
     return came;

@@ -37,7 +37,7 @@ TEST(GazeboSensors, PutsPairsAndDepthsIntoTheInbox) {
   own_clock.cameras_in_runtime_clock = true;
   own_clock.depth_in_runtime_clock = true;
   SensorInbox inbox(clock, own_clock);
-  const GazeboSensors sensors(gazebo.options(), clock, frames_into(inbox));
+  const GazeboSensors sensors(gazebo.options(), clock, inbox);
   ASSERT_TRUE(soon([&] {
     return gazebo.subscribers(kStereo) == 1 && gazebo.subscribers(kDepth) == 1 &&
            sensors.connected();

@@ -129,7 +129,7 @@ TEST_F(CameraSensorsTest, FollowsTheRobotAndMapsWhatIsThere) {
     off += !surface;
   }
   EXPECT_LT(off, static_cast<int>(belief->landmarks->landmarks.size()) / 10);
-  EXPECT_EQ(simulator.picture().image.width, 320);
+  EXPECT_EQ(simulator.picture().image->width, 320);
   EXPECT_GT(simulator.picture().sightings.size(), 40U);
 }
 
@@ -193,7 +193,7 @@ TEST_F(CameraSensorsTest, SameSeedSameBitsWithAnyNumberOfThreads) {
   }
   EXPECT_EQ(a.estimated_pose().position, b.estimated_pose().position);
   EXPECT_EQ(a.estimated_pose().yaw, b.estimated_pose().yaw);
-  EXPECT_EQ(a.picture().image.pixels, b.picture().image.pixels);
+  EXPECT_EQ(a.picture().image->pixels, b.picture().image->pixels);
   EXPECT_EQ(a.sense()->voxels->data(), b.sense()->voxels->data());
   EXPECT_NE(a.estimated_pose().position, c.estimated_pose().position);
 }

@@ -34,7 +34,7 @@ class SimulatedBaseTest : public ::testing::Test {
   /// x since the start, once the world has come up to date.
   double driven() {
     plain_->advance(clock_.now());
-    return plain_->truth().pose.position.x() - 2.0;
+    return plain_->newest().pose.position.x() - 2.0;
   }
 
   ManualClock clock_{50.0};

@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "adapters/robots/faults/faulty_frames.h"
@@ -18,7 +19,7 @@ constexpr double kSpeed = 0.2;  // [m/s]
 
 /// A robot without noise that drives along x from 2 m on, with a belief every 0.05 s and a scan
 /// every 0.2 s; faults begin at 1 s, for 2 s.
-struct Drive {
+struct Drive final : MissionObserver {
   explicit Drive(const std::string& fault, const std::string& when = "@1+2")
       : faults(fault.empty() ? std::vector<InjectedFault>{}
                              : std::vector<InjectedFault>{parse_fault(fault + when)}),
@@ -26,7 +27,9 @@ struct Drive {
         base(simulator, clock, model, {}),
         inbox(clock, FaultyFrames::inbox_options(simulated_inbox({}), faults)),
         frames(clock, inbox, faults, base.start(), {0.3, 4.0}),
-        streams(base, simulator, clock, inbox, frames_into(frames), 0.05, listeners()) {}
+        streams(base, simulator, clock, inbox, frames, 0.05) {
+    streams.watched_by({this});
+  }
 
   static SimulatorOptions perfect() {
     SimulatorOptions options;
@@ -35,10 +38,8 @@ struct Drive {
     options.depth.rows = 12;
     return options;
   }
-  SensorTap listeners() {
-    SensorTap tap;
-    tap.scan = [this](double stamp, const DepthScan&) { measured = stamp; };
-    return tap;
+  void on_frame(const SensorFrame& frame) override {
+    if (const auto* scan = std::get_if<ScanFrame>(&frame)) measured = scan->stamp;
   }
 
   /// What is known at that time; null: nothing new.

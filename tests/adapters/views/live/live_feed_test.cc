@@ -14,10 +14,10 @@ TEST(LiveFeed, StepsComeInOrderAndOnceAndOthersAsTheNewest) {
   for (int k = 0; k < 5; ++k) {
     StepRecord step;
     step.step = k;
-    feed.step(step);
+    feed.on_record(step, {});
     Belief belief;
     belief.stamp = k;
-    feed.belief(belief);
+    feed.on_belief(belief);
   }
   LiveFeed::News news = feed.take(true);
   ASSERT_EQ(news.steps.size(), 5U);
@@ -31,15 +31,15 @@ TEST(LiveFeed, StepsComeInOrderAndOnceAndOthersAsTheNewest) {
 
 TEST(LiveFeed, PicturesAreTakenOnlyWhereSomebodyWatches) {
   LiveFeed feed;
-  const Image image(8, 4, 7);
-  feed.picture(image, {});
+  const CameraPicture shown{std::make_shared<const Image>(8, 4, 7), {}};
+  feed.on_picture(shown);
   EXPECT_FALSE(feed.take(true).picture);
-  feed.picture(image, {});
-  feed.picture(image, {});
+  feed.on_picture(shown);
+  feed.on_picture(shown);
   const auto picture = feed.take(false).picture;
   ASSERT_TRUE(picture);
-  EXPECT_EQ(picture->image.pixels, image.pixels);
-  feed.picture(image, {});
+  EXPECT_EQ(picture->image, shown.image);
+  feed.on_picture(shown);
   EXPECT_FALSE(feed.take(false).picture);
 }
 
@@ -49,7 +49,7 @@ TEST(LiveFeed, WhatNobodyTakesIsBoundedAndCounted) {
   for (int k = 0; k < all; ++k) {
     StepRecord step;
     step.step = k;
-    feed.step(step);
+    feed.on_record(step, {});
   }
   const LiveFeed::News news = feed.take(false);
   ASSERT_EQ(news.steps.size(), LiveFeed::kMost);
@@ -70,12 +70,12 @@ TEST(LiveFeed, ThreadsThatTellAndOneThatTakesLoseNothing) {
     }
   });
   std::thread perception([&] {
-    for (int k = 0; k < kSteps; ++k) feed.belief({});
+    for (int k = 0; k < kSteps; ++k) feed.on_belief({});
   });
   for (int k = 0; k < kSteps; ++k) {
     StepRecord step;
     step.step = k;
-    feed.step(step);
+    feed.on_record(step, {});
   }
   perception.join();
   over = true;

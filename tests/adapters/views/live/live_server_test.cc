@@ -123,16 +123,16 @@ TEST_F(LiveServerTest, WhatTheRobotTellsReachesItsViewers) {
   WebClient client = viewer();
   EXPECT_FALSE(next(client, "welcome").is_null());
   const RunRecord run = synthetic_run(3);
-  for (const StepRecord& step : run.steps) feed_.step(step);
+  for (const StepRecord& step : run.steps) feed_.on_record(step, {});
   EXPECT_EQ(next(client, "steps")["part"]["steps"], 3);
   Belief belief;
   belief.pose.position.x() = 1.25;
-  feed_.belief(belief);
+  feed_.on_belief(belief);
   EXPECT_EQ(next(client, "pose")["x"], 1.25);
   // Pictures are wanted as soon as somebody watches.
-  Image image(64, 48, 100);
+  const CameraPicture shown{std::make_shared<const Image>(64, 48, 100), {}};
   EXPECT_TRUE(within_a_second([&] {
-    feed_.picture(image, {});
+    feed_.on_picture(shown);
     return feed_.wants_pictures();
   }));
   EXPECT_FALSE(next(client, "picture")["picture"]["jpeg"].get<std::string>().empty());
@@ -156,7 +156,7 @@ TEST_F(LiveServerTest, AViewerThatReadsNothingCostsTheOthersNothingAndIsGivenUp)
   for (int k = 0; k < 40; ++k) {
     big.step = k;
     const auto before = std::chrono::steady_clock::now();
-    feed_.step(big);
+    feed_.on_record(big, {});
     longest =
         std::max<std::chrono::duration<double>>(longest, std::chrono::steady_clock::now() - before);
     EXPECT_FALSE(next(reader, "steps").is_null()) << k;
@@ -231,7 +231,7 @@ TEST_F(LiveServerTest, ManyViewersAreServedAndTooManyTurnedAway) {
   std::vector<WebClient> viewers;
   for (int k = 0; k < 8; ++k) viewers.push_back(viewer());
   EXPECT_THAT(WebClient(port()).upgrade("/live", kPage), StartsWith("HTTP/1.1 503 "));
-  feed_.step(synthetic_run(1).steps[0]);
+  feed_.on_record(synthetic_run(1).steps[0], {});
   for (WebClient& client : viewers) EXPECT_FALSE(next(client, "steps").is_null());
   viewers.pop_back();
   EXPECT_TRUE(within_a_second([&] {

@@ -1,11 +1,9 @@
-#include "adapters/missions/run/true_run.h"
+#include "adapters/robots/gazebo/true_run.h"
 
 #include <cmath>
 #include <deque>
 #include <utility>
 
-#include "adapters/missions/run/exploration_run.h"
-#include "adapters/robots/simulator/depth_camera.h"
 #include "adapters/robots/simulator/kinematic_robot.h"
 #include "adapters/robots/simulator/seen_area.h"
 
@@ -21,22 +19,24 @@ Pose between(const Pose& a, const Pose& b, double share) {
   return pose;
 }
 
-HeightSlice slice_of(const Configuration& c) {
-  const VerticalExtent slice = c.robot.slice();
+HeightSlice slice_of(const RobotDescription& robot) {
+  const VerticalExtent slice = robot.slice();
   return {slice.z_min, slice.z_max, std::nullopt};
 }
 
 }  // namespace
 
 struct TrueRun::Impl {
-  Impl(const World& world, const Configuration& c, GazeboTruth its_truth)
+  Impl(const World& world, const RobotDescription& robot, const DepthCameraOptions& looks,
+       GazeboTruth its_truth)
       : gazebo(std::move(its_truth)),
-        base_height(c.robot.base_height()),
-        contact(world, c.robot.shape, base_height),
-        reachable(told_area(reachable_area(world, c), c)),
-        camera(world, c.simulator.depth, c.robot.depth_mount, 1),
-        seen(world, slice_of(c)) {
-    seen.set_reachable(reachable.cells);
+        base_height(robot.base_height()),
+        contact(world, robot.shape, base_height),
+        camera(world, looks, robot.depth_mount, 1),
+        seen(world, slice_of(robot)) {}
+
+  void set_reachable(const Grid<std::uint8_t>& reachable) {
+    seen.set_reachable(reachable);
     truth.coverage = seen.coverage();
   }
 
@@ -72,33 +72,36 @@ struct TrueRun::Impl {
   GazeboTruth gazebo;
   double base_height;
   ContactTest contact;
-  ReachableArea reachable;
   DepthCamera camera;
   SeenArea seen;
   std::deque<GazeboTruth::Stamped> poses;
-  bool touches = false;
+  bool touches = false, lost = false;
   double next_look = -1e9;
-  SimulatedTruth truth;
+  TrueState truth;
 };
 
-TrueRun::TrueRun(const World& world, const Configuration& configuration, GazeboTruth truth)
-    : impl_(std::make_unique<Impl>(world, configuration, std::move(truth))) {}
+TrueRun::TrueRun(const World& world, const RobotDescription& robot, const DepthCameraOptions& looks,
+                 const Grid<std::uint8_t>& reachable, GazeboTruth truth)
+    : impl_(std::make_unique<Impl>(world, robot, looks, std::move(truth))) {
+  impl_->set_reachable(reachable);
+}
 TrueRun::~TrueRun() = default;
 
-SimulatedTruth TrueRun::at(const Belief& belief) {
+TrueState TrueRun::at(const Belief& belief) {
   for (const GazeboTruth::Stamped& told : impl_->gazebo.take()) impl_->add(told);
-  SimulatedTruth& truth = impl_->truth;
+  TrueState& truth = impl_->truth;
   truth.coverage = impl_->seen.coverage();
   truth.seen_area = impl_->seen.area();
   if (!impl_->poses.empty()) {
     const Pose then = impl_->at(belief.stamp);
     truth.localization_error = (belief.pose.position - then.position).head<2>().norm();
   }
+  const bool lost = belief.localization == Localization::kLost;
+  truth.losses += lost && !impl_->lost;
+  impl_->lost = lost;
   return truth;
 }
 
-SimulatedTruth TrueRun::truth() const { return impl_->truth; }
-
-const ReachableArea& TrueRun::reachable() const { return impl_->reachable; }
+TrueState TrueRun::newest() const { return impl_->truth; }
 
 }  // namespace prospect

@@ -1,0 +1,59 @@
+#include "adapters/robots/dds/make_robot.h"
+
+#include <memory>
+
+#include "adapters/formats/files/input_error.h"
+#include "adapters/robots/dds/camera_settings.h"
+#include "adapters/robots/dds/dds_base.h"
+#include "adapters/robots/dds/dds_node.h"
+#include "adapters/robots/dds/dds_publisher.h"
+#include "adapters/robots/dds/dds_sensors.h"
+#include "adapters/robots/dds/dds_transforms.h"
+
+namespace prospect {
+namespace {
+
+/// All that the robot's pointers share. The node's thread ends after what has handlers in it.
+struct DdsParts {
+  explicit DdsParts(const DdsRobotConfiguration& o)
+      : inbox(clock, o.inbox),
+        node(o.topics.address),
+        transforms(node, o.topics.tf, o.topics.tf_static),
+        base(o.topics, node, transforms, clock, o.requests),
+        sensors(o.topics, node, transforms, inbox),
+        publisher(o.topics, node, base, clock, o.robot.model) {
+    node.start();
+  }
+
+  const SteadyClock clock;
+  SensorInbox inbox;
+  DdsNode node;
+  DdsTransforms transforms;
+  DdsBase base;
+  const DdsSensors sensors;
+  DdsPublisher publisher;
+};
+
+}  // namespace
+
+Robot make_robot(const DdsRobotConfiguration& options) {
+  const auto parts = std::make_shared<DdsParts>(options);
+  const DdsCameras cameras = parts->sensors.wait();
+  if (const auto faults = parts->base.report().faults; !faults.empty()) throw InputError(faults);
+  Robot robot;
+  robot.name = "dds";
+  robot.clock = {parts, &parts->clock};
+  robot.base = {parts, &parts->base};
+  robot.frames = {parts, &parts->inbox};
+  robot.start.position.z() = options.robot.base_height();
+  robot.made = parts->clock.now();
+  robot.depth = cameras.depth;
+  robot.settings = camera_settings(cameras);
+  robot.settings_of = "the topics of the cameras:";
+  robot.emergency_stop = parts->base.emergency_stop();
+  robot.observers = {&parts->publisher};
+  robot.link_faults = [parts] { return parts->node.faults(); };
+  return robot;
+}
+
+}  // namespace prospect

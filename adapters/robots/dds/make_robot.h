@@ -1,0 +1,25 @@
+#pragma once
+
+#include "adapters/robots/dds/dds_options.h"
+#include "models/robot_description.h"
+#include "runtime/drive_requests.h"
+#include "runtime/robot.h"
+#include "runtime/sensor_inbox.h"
+
+namespace prospect {
+
+/// What a robot behind topics of ROS 2 is made of.
+struct DdsRobotConfiguration {
+  DdsOptions topics;
+  RobotDescription robot;
+  SensorInboxOptions inbox{};
+  DriveRequests* requests = nullptr;  ///< as of DdsBase; null: nobody
+};
+
+/// It begins at the origin of W, looking along x. Its settings are what its topics say of its
+/// cameras; each step of its mission is published (DdsPublisher). Throws InputError, a line each,
+/// for calibrations and transforms that do not come and topics that do not fit; NotBuiltIn. Nothing
+/// has been sent to the base then.
+Robot make_robot(const DdsRobotConfiguration& options);
+
+}  // namespace prospect
