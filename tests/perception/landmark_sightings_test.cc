@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "perception/odometry/stereo_odometry.h"
+#include "tests/not_under_sanitizers.h"
 #include "tests/perception/rendered_room.h"
 
 namespace prospect::landmark_sightings_test {
@@ -24,8 +25,8 @@ Eigen::Isometry3d pose(int k) {
   return RenderedRoom::looking(-1.5 + 0.08 * k, -0.5, 1.05, -0.2 + 0.04 * k);
 }
 
-#ifndef __SANITIZE_ADDRESS__  // long sequences go the ways of short ones
 TEST(LandmarkSightings, AreWhatTheFrameCountsAndWhereTheyMustBe) {
+  NOT_UNDER_SANITIZERS("long sequences go the ways of short ones");
   const RenderedRoom room;
   StereoOdometry odometry(camera(), {}, pose(0));
   std::set<std::uint64_t> gone;
@@ -68,7 +69,6 @@ TEST(LandmarkSightings, AreWhatTheFrameCountsAndWhereTheyMustBe) {
   EXPECT_GT(given_up, 10);
   EXPECT_GT(missed, 10);
 }
-#endif
 
 TEST(LandmarkSightings, NoPoseNoSightings) {
   const RenderedRoom room;
@@ -83,8 +83,8 @@ TEST(LandmarkSightings, NoPoseNoSightings) {
   EXPECT_TRUE(odometry.given_up().empty());
 }
 
-#ifndef __SANITIZE_ADDRESS__  // long sequences go the ways of short ones
 TEST(LandmarkSightings, SurvivalIsLearnedAndFallsWithTheHorizon) {
+  NOT_UNDER_SANITIZERS("long sequences go the ways of short ones");
   const RenderedRoom room;
   StereoOdometry odometry(camera(), {}, pose(0));
   for (int k = 0; k < 10; ++k) {
@@ -100,7 +100,6 @@ TEST(LandmarkSightings, SurvivalIsLearnedAndFallsWithTheHorizon) {
     EXPECT_GE(late->landmarks[i].survival, 0.0);
   }
 }
-#endif
 
 }  // namespace
 }  // namespace prospect::landmark_sightings_test

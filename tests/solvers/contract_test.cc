@@ -12,6 +12,7 @@
 #include "problems/r1.h"
 #include "solvers/load_plugin.h"
 #include "solvers/registry.h"
+#include "tests/not_under_sanitizers.h"
 #include "tests/solvers/hostile_programmes.h"
 #include "tests/solvers/problem_zoo.h"
 
@@ -58,9 +59,8 @@ const SolverRegistry& registry() {
 std::vector<std::string> available() {
   std::vector<std::string> names;
   for (const SolverInfo& info : registry().list()) {
-#ifdef __SANITIZE_ADDRESS__  // goes the ways of the other global ones, for longest
-    if (info.name == "nlopt:GN_DIRECT_L") continue;
-#endif
+    // It goes the ways of the other global ones, for longest.
+    if (test::under_address_sanitizer() && info.name == "nlopt:GN_DIRECT_L") continue;
     if (info.available) names.push_back(info.name);
   }
   return names;

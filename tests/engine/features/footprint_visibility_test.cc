@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "tests/engine/view_worlds.h"
+#include "tests/not_under_sanitizers.h"
 
 namespace prospect::footprint_visibility_test {
 namespace {
@@ -188,8 +189,8 @@ TEST(FootprintVisibility, WideningTheFieldHidesNothing) {
   }
 }
 
-#ifndef __SANITIZE_ADDRESS__  // over many points, where other tests go the same ways at few
 TEST(FootprintVisibility, GradientsOfAnyFieldAreThoseOfTheWeightedSum) {
+  NOT_UNDER_SANITIZERS("over many points, where other tests go the same ways at few");
   std::mt19937_64 random(11);
   for (const auto& [horizontal, vertical] : kFields) {
     SCOPED_TRACE(horizontal);
@@ -199,7 +200,6 @@ TEST(FootprintVisibility, GradientsOfAnyFieldAreThoseOfTheWeightedSum) {
     expect_gradients(view, 20, 1e-6, 1e-4, random);
   }
 }
-#endif
 
 // Behind the robot the azimuth jumps from pi to -pi; what is seen does not, nor do its derivatives.
 TEST(FootprintVisibility, NothingJumpsAtTheSeamBehindTheSensor) {
@@ -233,8 +233,8 @@ TEST(FootprintVisibility, NothingJumpsAtTheSeamBehindTheSensor) {
   }
 }
 
-#ifndef __SANITIZE_ADDRESS__  // over many points, where other tests go the same ways at few
 TEST(FootprintVisibility, ScoresOfAnyFieldAreWithinTheirBound) {
+  NOT_UNDER_SANITIZERS("over many points, where other tests go the same ways at few");
   std::mt19937_64 random(12);
   double worst = 0.0;
   for (const auto& [horizontal, vertical] : kFields) {
@@ -258,7 +258,6 @@ TEST(FootprintVisibility, ScoresOfAnyFieldAreWithinTheirBound) {
   }
   EXPECT_LT(worst, 1e-5);
 }
-#endif
 
 TEST(FootprintVisibility, FiniteWithPointsAtTheSensor) {
   const VoxelGrid empty(GridFrame{0.1, -40, -40, 80, 80}, 0.0, 1.0);

@@ -13,6 +13,7 @@
 #include "engine/features/visibility_prediction.h"
 #include "models/camera.h"
 #include "tests/engine/visibility_scene.h"
+#include "tests/not_under_sanitizers.h"
 
 namespace prospect::landmarks_per_cell_test {
 namespace {
@@ -129,10 +130,10 @@ TEST(Crowding, WhatIsNotFiniteCountsForNothing) {
   EXPECT_EQ(found, expected);
 }
 
-#ifndef __SANITIZE_ADDRESS__  // over many points, where other tests go the same ways at few
 // The reference that says what it is for: a tracker that keeps one landmark in each image cell
 // looks at a textured wall from near and from far, and its landmarks are counted one by one.
 TEST(Crowding, CountsWhatATrackerWithImageCellsKeeps) {
+  NOT_UNDER_SANITIZERS("over many points, where other tests go the same ways at few");
   const StereoCamera camera;
   VisibilityParameters p = with_redetected_landmarks();
   p.border_px = p.border_sigma_px = 0.0;
@@ -179,7 +180,6 @@ TEST(Crowding, CountsWhatATrackerWithImageCellsKeeps) {
   EXPECT_GT(crowded, 5.0) << "nothing was crowded";
   EXPECT_LT(worst, 0.25);
 }
-#endif
 
 }  // namespace
 }  // namespace prospect::landmarks_per_cell_test

@@ -15,6 +15,7 @@
 #include "engine/maps/voxel_grid.h"
 #include "models/make_model.h"
 #include "tests/engine/visibility_scene.h"
+#include "tests/not_under_sanitizers.h"
 
 namespace prospect::visibility_prediction_test {
 namespace {
@@ -150,8 +151,8 @@ VisibilityParameters only_field_of_view() {
   return p;
 }
 
-#ifndef __SANITIZE_ADDRESS__  // over many points, where other tests go the same ways at few
 TEST(VisibilityPrediction, FieldOfViewAgreesWithMonteCarloOfTheFullProjection) {
+  NOT_UNDER_SANITIZERS("over many points, where other tests go the same ways at few");
   // Pose, landmark and pixels drawn from their Gaussians, projected without linearisation into both
   // images. The prediction takes u and v as independent: since d Phi_2(h, k; r)/dr is the bivariate
   // density, at most 1 / (2 pi sqrt(1 - r^2)), the joint probability differs from the product of
@@ -224,7 +225,6 @@ TEST(VisibilityPrediction, FieldOfViewAgreesWithMonteCarloOfTheFullProjection) {
       sum / compared, largest, compared, partial);
   EXPECT_LT(sum / compared, 0.005);
 }
-#endif
 
 TEST(VisibilityPrediction, RelativeCovarianceAgreesWithNoisyOdometry) {
   std::mt19937_64 rng(23);

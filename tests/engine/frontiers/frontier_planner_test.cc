@@ -12,6 +12,7 @@
 #include "models/make_model.h"
 #include "tests/engine/ground_worlds.h"
 #include "tests/engine/simplest_driver.h"
+#include "tests/not_under_sanitizers.h"
 
 namespace prospect::frontier_planner_test {
 namespace {
@@ -80,8 +81,8 @@ Mission explore(const test::GroundWorld& world, Cell start, const FrontierPlanne
   return mission;
 }
 
-#ifndef __SANITIZE_ADDRESS__  // missions go the paths of drives and of steps
 TEST(FrontierPlanner, LeadsTheSimplestDriverThroughWholeBuildings) {
+  NOT_UNDER_SANITIZERS("missions go the paths of drives and of steps");
   std::mt19937_64 random(11);
   for (const int boxes : {0, 25, 60}) {
     const auto world = test::GroundWorld::rooms(12.0, 0.1, boxes, random);
@@ -93,7 +94,6 @@ TEST(FrontierPlanner, LeadsTheSimplestDriverThroughWholeBuildings) {
     RecordProperty("p95_ms", std::to_string(m.p95));
   }
 }
-#endif
 
 TEST(FrontierPlanner, TheSameHistoryGivesTheSameBits) {
   std::mt19937_64 random(12);

@@ -8,6 +8,8 @@
 #include <random>
 #include <stdexcept>
 
+#include "tests/not_under_sanitizers.h"
+
 namespace prospect::heading_fit_test {
 namespace {
 
@@ -57,10 +59,10 @@ TEST(HeadingFit, HeadingsGoRoundOnce) {
   }
 }
 
-#ifndef __SANITIZE_ADDRESS__  // over many points, where other tests go the same ways at few
 // The distance is how far the box may be moved towards the square, or must be moved away from it:
 // judged by points of the box.
 TEST(HeadingFit, DistanceOfABoxIsTheWayUntilItTouches) {
+  NOT_UNDER_SANITIZERS("over many points, where other tests go the same ways at few");
   std::mt19937_64 random(4);
   std::uniform_real_distribution<double> u(-1.0, 1.0);
   int apart = 0, inside = 0;
@@ -91,7 +93,6 @@ TEST(HeadingFit, DistanceOfABoxIsTheWayUntilItTouches) {
   EXPECT_GT(apart, 10);
   EXPECT_GT(inside, 10);
 }
-#endif
 
 TEST(HeadingFit, DiscsAreMeasuredFromTheirCentre) {
   const auto outline = ground_outline(CylinderShape{{0.3, 0.0, 0.2}, 0.2, 0.4});

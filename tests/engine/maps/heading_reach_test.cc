@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "tests/not_under_sanitizers.h"
+
 namespace prospect::heading_reach_test {
 namespace {
 
@@ -66,8 +68,8 @@ std::vector<std::array<bool, kHeadings>> slowly(const Grid<Mask>& fits, Cell sta
   return reached;
 }
 
-#ifndef __SANITIZE_ADDRESS__  // over many points, where other tests go the same ways at few
 TEST(HeadingReach, IsTheSetOfAllStatesThatMovesLeadTo) {
+  NOT_UNDER_SANITIZERS("over many points, where other tests go the same ways at few");
   std::mt19937_64 random(7);
   const GridFrame frame{0.1, -3, 5, 17, 13};
   int partly = 0, dropped = 0;
@@ -112,7 +114,6 @@ TEST(HeadingReach, IsTheSetOfAllStatesThatMovesLeadTo) {
   EXPECT_GT(partly, 20);
   EXPECT_GT(dropped, 100);
 }
-#endif
 
 /// Two rooms of 5 x 5 cells in which the body can turn, 10 cells apart, and what lies between.
 Grid<Mask> rooms(Mask between, bool second_room) {

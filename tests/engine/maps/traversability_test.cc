@@ -13,6 +13,7 @@
 
 #include "engine/maps/known_extent.h"
 #include "tests/engine/ground_worlds.h"
+#include "tests/not_under_sanitizers.h"
 
 namespace prospect::traversability_test {
 namespace {
@@ -259,8 +260,8 @@ TEST(Traversability, ALongBodyFitsWhereSomeHeadingDoes) {
   }
 }
 
-#ifndef __SANITIZE_ADDRESS__  // over many points, where other tests go the same ways at few
 TEST(Traversability, OfALongBodyUpdatesEqualAFreshComputationBitForBit) {
+  NOT_UNDER_SANITIZERS("over many points, where other tests go the same ways at few");
   std::mt19937_64 random(12);
   int closed_off = 0;
   for (int run = 0; run < 6; ++run) {
@@ -311,7 +312,6 @@ TEST(Traversability, OfALongBodyUpdatesEqualAFreshComputationBitForBit) {
   }
   EXPECT_GT(closed_off, 1000);
 }
-#endif
 
 /// Two rooms of 4 x 4 m, joined by a passage 9 cells wide and `length` cells long.
 GroundMap two_rooms(int length, int width = 9) {

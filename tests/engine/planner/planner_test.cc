@@ -25,6 +25,7 @@
 #include "models/make_model.h"
 #include "tests/engine/landmark_faults.h"
 #include "tests/engine/room_belief.h"
+#include "tests/not_under_sanitizers.h"
 
 namespace prospect::planner_test {
 namespace {
@@ -878,10 +879,10 @@ TEST_F(PlannerTest, ThreadsGoToASolverThatSharesThem) {
   EXPECT_FALSE(given[3].contains("threads"));
 }
 
-#ifndef __SANITIZE_ADDRESS__  // steps that other tests of the planner take, from many beliefs
 // Lost with 25 m^2, or with a covariance that is none, the robot drove by its map as if it were
 // exact: 200 of 200 commands passed.
 TEST_F(PlannerTest, WithoutABoundOnThePoseItDrivesOnlyWhereItLooksAndTheGuardAgrees) {
+  NOT_UNDER_SANITIZERS("steps that other tests of the planner take, from many beliefs");
   for (const double variance : {25.0, 0.0, -0.04, kNan}) {
     Planner planner = make();
     const Guard guard = planner.make_guard();
@@ -932,7 +933,6 @@ TEST_F(PlannerTest, WithoutABoundOnThePoseItDrivesOnlyWhereItLooksAndTheGuardAgr
     EXPECT_GT(turned, 0.5) << "it looks about";
   }
 }
-#endif
 
 TEST_F(PlannerTest, ARetreatHasNoExplorationAndCountsFeatures) {
   Planner planner = make();
@@ -1045,10 +1045,10 @@ TEST_F(PlannerTest, ALostRobotComesNoNearerToWhatItIsNear) {
   EXPECT_GT(nearer(0.0), 3);
 }
 
-#ifndef __SANITIZE_ADDRESS__  // steps that other tests of the planner take, from many beliefs
 // Of 120 missions of a holonomic base with poor wheels 16 had contacts, most of them sideways or
 // backwards, with the wall half a metre from where it had been drawn.
 TEST_F(PlannerTest, ALostRobotDrivesWhereItLooks) {
+  NOT_UNDER_SANITIZERS("steps that other tests of the planner take, from many beliefs");
   robot_ = robot_with("holonomic");
   const Belief room = Room{.landmarks_per_wall = 20}.belief();
   Certifier::Options options = Certifier::options_for(robot_);
@@ -1098,7 +1098,6 @@ TEST_F(PlannerTest, ALostRobotDrivesWhereItLooks) {
   parameters_.drift_limit = -0.1;
   EXPECT_THROW(make(), std::invalid_argument);
 }
-#endif
 
 // Between walls that may have drifted, each in the path of keeping off the other, robots stood for
 // minutes.

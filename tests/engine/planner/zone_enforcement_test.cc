@@ -21,6 +21,7 @@
 #include "models/make_model.h"
 #include "tests/engine/ground_worlds.h"
 #include "tests/engine/obstacle_worlds.h"
+#include "tests/not_under_sanitizers.h"
 
 namespace prospect::zone_enforcement_test {
 namespace {
@@ -87,8 +88,8 @@ TEST(ZoneEnforcement, NoCertificateIntoAKeepOutWithTheStopAfterIt) {
       without.certify(belief, *model, Eigen::Vector3d(0.6, 0, 0), u, forward(2, 0.4), kDt).ok());
 }
 
-#ifndef __SANITIZE_ADDRESS__  // over many points, where other tests go the same ways at few
 TEST(ZoneEnforcement, WhatIsCertifiedKeepsOutAtEveryInstant) {
+  NOT_UNDER_SANITIZERS("over many points, where other tests go the same ways at few");
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> place(-1.0, 4.0), unit(-1.0, 1.0);
   const auto model = make_model("unicycle");
@@ -134,7 +135,6 @@ TEST(ZoneEnforcement, WhatIsCertifiedKeepsOutAtEveryInstant) {
   EXPECT_GT(accepted, 50);
   EXPECT_GT(refused, 50);
 }
-#endif
 
 TEST(ZoneEnforcement, NoCertificateForMoreThanTheSpeedOfAZone) {
   const Belief belief = ObstacleWorld().belief();

@@ -11,6 +11,7 @@
 #include "engine/problem/problem.h"
 #include "models/unicycle.h"
 #include "tests/engine/problem_specifications.h"
+#include "tests/not_under_sanitizers.h"
 
 namespace prospect::test::residual_form_test {
 namespace {
@@ -56,8 +57,8 @@ void expect_sum_of_squares(const Problem& problem, const Eigen::VectorXd& z, boo
   }
 }
 
-#ifndef __SANITIZE_ADDRESS__  // over many points, where other tests go the same ways at few
 TEST(ResidualForm, OfEveryTermIsItsCost) {
+  NOT_UNDER_SANITIZERS("over many points, where other tests go the same ways at few");
   std::mt19937_64 random(3);
   std::set<std::string> met;
   for (const NamedSpecification& named : specifications_of_every_kind()) {
@@ -78,7 +79,6 @@ TEST(ResidualForm, OfEveryTermIsItsCost) {
                                                    "visible_features", "exploration_gain",
                                                    "cost_to_go", "heading_alignment"));
 }
-#endif
 
 TEST(ResidualForm, OfAWholeProblemIsItsCost) {
   std::mt19937_64 random(4);

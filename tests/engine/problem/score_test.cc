@@ -5,12 +5,13 @@
 #include <random>
 
 #include "tests/engine/planning_scene.h"
+#include "tests/not_under_sanitizers.h"
 
 namespace prospect::score_test {
 namespace {
 
-#ifndef __SANITIZE_ADDRESS__  // over many points, where other tests go the same ways at few
 TEST(Score, IsWithinItsErrorForEveryModelAndTheConstraintsAreExact) {
+  NOT_UNDER_SANITIZERS("over many points, where other tests go the same ways at few");
   for (const char* model : {"unicycle", "unicycle_accel", "holonomic", "multirotor"}) {
     for (const double chance : {0.0, 0.3}) {
       PlannerParameters parameters;
@@ -38,7 +39,6 @@ TEST(Score, IsWithinItsErrorForEveryModelAndTheConstraintsAreExact) {
     }
   }
 }
-#endif
 
 TEST(Score, RejectsWhatAValueRejects) {
   const test::PlanningScene scene("unicycle", {}, 50);

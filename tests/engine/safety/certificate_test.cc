@@ -21,6 +21,7 @@
 #include "models/unicycle.h"
 #include "models/unicycle_accel.h"
 #include "tests/engine/obstacle_worlds.h"
+#include "tests/not_under_sanitizers.h"
 
 namespace prospect::certificate_test {
 namespace {
@@ -168,8 +169,8 @@ TEST(Certificate, AgreesWithSeparatingAxesForBoxes) {
   EXPECT_GT(touching, 100);
 }
 
-#ifndef __SANITIZE_ADDRESS__  // over many points, where other tests go the same ways at few
 TEST(Certificate, AcceptedMotionsAreFreeAtAThousandPosesAStage) {
+  NOT_UNDER_SANITIZERS("over many points, where other tests go the same ways at few");
   // The covering argument: the true body is clear also between the poses that were checked.
   std::mt19937_64 random(4);
   std::uniform_real_distribution<double> place(-1.7, 1.7), unit(-1.0, 1.0);
@@ -209,7 +210,6 @@ TEST(Certificate, AcceptedMotionsAreFreeAtAThousandPosesAStage) {
   EXPECT_GT(accepted, 40);
   EXPECT_GT(refused, 20);
 }
-#endif
 
 TEST(Certificate, SeesAThinWallBetweenNodes) {
   // 5 cm of wall, jumped over by nodes 0.5 m apart.
@@ -723,10 +723,10 @@ TEST(Certificate, ALostRobotOfAnyShapeMayTurnAndLook) {
   }
 }
 
-#ifndef __SANITIZE_ADDRESS__  // steps that other tests of the planner take, from many beliefs
 // Each motion starts from where the last one ended, so what is tolerated at a start must not add
 // up.
 TEST(Certificate, ALostRobotDoesNotCreepOutOfView) {
+  NOT_UNDER_SANITIZERS("steps that other tests of the planner take, from many beliefs");
   const Holonomic model;
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> velocity(-0.08, 0.08);
@@ -770,7 +770,6 @@ TEST(Certificate, ALostRobotDoesNotCreepOutOfView) {
     }
   }
 }
-#endif
 
 TEST(Certificate, InTheAirALostRobotDoesNotRiseIntoWhatItDoesNotSee) {
   const ObstacleWorld world(0.1, 4.0, 3.0);

@@ -8,6 +8,7 @@
 
 #include "engine/terms/problem_specification.h"
 #include "tests/engine/problem_specifications.h"
+#include "tests/not_under_sanitizers.h"
 
 namespace prospect::builtin_terms_test {
 namespace {
@@ -18,8 +19,8 @@ std::vector<std::string> names(const Problem& problem) {
   return all;
 }
 
-#ifndef __SANITIZE_ADDRESS__  // over many points, where other tests go the same ways at few
 TEST(BuiltinTerms, AreWhatProblemsAreMadeOf) {
+  NOT_UNDER_SANITIZERS("over many points, where other tests go the same ways at few");
   std::set<std::string> met;
   for (const auto& s : test::specifications_of_every_kind()) {
     for (const std::string& name : names(*make_problem(*s.specification))) met.insert(name);
@@ -34,7 +35,6 @@ TEST(BuiltinTerms, AreWhatProblemsAreMadeOf) {
   }
   for (const std::string& name : listed) EXPECT_TRUE(met.contains(name)) << name;
 }
-#endif
 
 TEST(BuiltinTerms, EachCanBeLeftOutAndTheOthersStay) {
   PlannerParameters parameters;

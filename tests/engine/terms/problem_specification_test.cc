@@ -9,6 +9,7 @@
 #include "tests/engine/problem_specifications.h"
 #include "tests/engine/room_belief.h"
 #include "tests/engine/same_problem.h"
+#include "tests/not_under_sanitizers.h"
 
 namespace prospect::test::problem_specification_test {
 namespace {
@@ -19,8 +20,8 @@ std::set<std::string> terms(const Problem& problem) {
   return names;
 }
 
-#ifndef __SANITIZE_ADDRESS__  // the release build compares bits
 TEST(ProblemSpecification, MakesTheProblemThatThePlannerSolvedBitForBitAlsoWithItsMapsCut) {
+  NOT_UNDER_SANITIZERS("the release build compares bits");
   std::set<std::string> met;
   for (const NamedSpecification& named : specifications_of_every_kind()) {
     SCOPED_TRACE(named.name);
@@ -39,10 +40,9 @@ TEST(ProblemSpecification, MakesTheProblemThatThePlannerSolvedBitForBitAlsoWithI
     EXPECT_EQ(met.count(term), 1u) << term;
   }
 }
-#endif
 
-#ifndef __SANITIZE_ADDRESS__  // over many points, where other tests go the same ways at few
 TEST(ProblemSpecification, CuttingTwiceCutsNoMore) {
+  NOT_UNDER_SANITIZERS("over many points, where other tests go the same ways at few");
   for (const char* model : {"unicycle", "multirotor"}) {
     PlannerParameters parameters;
     parameters.N = parameters.M = 6;
@@ -60,6 +60,7 @@ TEST(ProblemSpecification, CuttingTwiceCutsNoMore) {
 
 // A world whose every voxel is drawn at random: nothing that a ray or a distance meets may change.
 TEST(ProblemSpecification, CutsNothingThatIsLookedAtInAWorldOfNoise) {
+  NOT_UNDER_SANITIZERS("over many points, where other tests go the same ways at few");
   for (const char* model : {"holonomic", "multirotor"}) {
     SCOPED_TRACE(model);
     PlannerParameters parameters;
@@ -89,7 +90,6 @@ TEST(ProblemSpecification, CutsNothingThatIsLookedAtInAWorldOfNoise) {
     expect_same_problem(*make_problem(specification), *make_problem(cut), 3, 60);
   }
 }
-#endif
 
 TEST(ProblemSpecification, ARobotBesideItsMapHasAProblemToo) {
   const PlanningScene scene("unicycle", {}, 20);

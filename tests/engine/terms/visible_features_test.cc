@@ -15,6 +15,7 @@
 #include "engine/maps/voxel_grid.h"
 #include "models/make_model.h"
 #include "tests/engine/visibility_scene.h"
+#include "tests/not_under_sanitizers.h"
 
 namespace prospect::visible_features_test {
 namespace {
@@ -126,8 +127,8 @@ GradientCheck check_gradient(const Term& term, TrajectoryBatch t) {
   return result;
 }
 
-#ifndef __SANITIZE_ADDRESS__  // over many points, where other tests go the same ways at few
 TEST(VisibleFeatures, GradientIsExactForEveryModelAndCriterion) {
+  NOT_UNDER_SANITIZERS("over many points, where other tests go the same ways at few");
   std::mt19937_64 rng(41);
   double worst = 0.0;
   for (const char* name : kModels) {
@@ -165,7 +166,6 @@ TEST(VisibleFeatures, GradientIsExactForEveryModelAndCriterion) {
   }
   std::printf("largest gradient error relative to max(1, |g|): %.1e\n", worst);
 }
-#endif
 
 TEST(VisibleFeatures, GradientReachesThroughTheRecursion) {
   // The cost at the last stage feels a change of an early pose that leaves all others as they are,

@@ -10,6 +10,7 @@
 #include "perception/fusion/wheel_fusion.h"
 #include "perception/odometry/se3.h"
 #include "perception/odometry/stereo_odometry.h"
+#include "tests/not_under_sanitizers.h"
 #include "tests/perception/rendered_room.h"
 
 namespace prospect::visual_motion_test {
@@ -47,9 +48,9 @@ TEST(VisualMotion, IsThatOfTheBodyAndCarriesTheCovarianceOver) {
   EXPECT_LT((visual.covariance - J * J.transpose()).norm(), 1e-7);
 }
 
-#ifndef __SANITIZE_ADDRESS__  // recordings go the ways of rendered sequences, on larger images
 /// Rendered images of a body that drives an arc, through visual odometry and the filter.
 TEST(VisualMotion, OfRealFramesFixesABodyOnPoorWheels) {
+  NOT_UNDER_SANITIZERS("recordings go the ways of rendered sequences, on larger images");
   StereoCamera camera;
   camera.left = {330.0, 330.0, 240.0, 180.0, 480.0, 360.0};
   camera.baseline = 0.12;
@@ -111,7 +112,6 @@ TEST(VisualMotion, OfRealFramesFixesABodyOnPoorWheels) {
   // One run, errors that follow each other.
   EXPECT_LT(normalised / frames, 4.0);
 }
-#endif
 
 }  // namespace
 }  // namespace prospect::visual_motion_test

@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "tests/not_under_sanitizers.h"
 #include "tests/perception/depth_faults.h"
 #include "tests/perception/depth_scene.h"
 
@@ -126,10 +127,10 @@ TEST(DepthMapper, MapsARoomWhoseFloorIsNoObstacle) {
   });
 }
 
-#ifndef __SANITIZE_ADDRESS__  // one way through the mapping, with other depths
 // An unevenness of 2 cm and a camera whose tilt is known to a degree only: the floor is flat in the
 // map, not a voxel stands out of it.
 TEST(DepthMapper, UnevenFloorIsFlat) {
+  NOT_UNDER_SANITIZERS("one way through the mapping, with other depths");
   DepthScene scene;
   for (int n = 0; n < 12; ++n) {
     const double x = -0.5 + 0.35 * n, y = -1.0 + 0.9 * (n % 3);
@@ -155,6 +156,7 @@ TEST(DepthMapper, UnevenFloorIsFlat) {
 
 // What is measured below the floor is no floor.
 TEST(DepthMapper, HolesInTheFloorStayUnknown) {
+  NOT_UNDER_SANITIZERS("one way through the mapping, with other depths");
   DepthScene scene;
   scene.room.low.z() = -0.5;
   const double pit[4] = {-0.4, 0.9, -0.3, 0.2};  // x, y
@@ -182,7 +184,6 @@ TEST(DepthMapper, HolesInTheFloorStayUnknown) {
   EXPECT_EQ(inside, 0);
   EXPECT_GT(around, 1000);
 }
-#endif
 
 /// The image with pixels at the edges of things as real sensors give them: between both depths.
 DepthImage with_mixed_pixels(const DepthImage& image) {
@@ -196,8 +197,8 @@ DepthImage with_mixed_pixels(const DepthImage& image) {
   return mixed;
 }
 
-#ifndef __SANITIZE_ADDRESS__  // one way through the mapping, with other depths
 TEST(DepthMapper, MixedPixelsAreNoObstacles) {
+  NOT_UNDER_SANITIZERS("one way through the mapping, with other depths");
   const DepthScene scene = furnished();
   DepthMapper mapper(kCamera, fine());
   for (int k = 0; k < 6; ++k) {
@@ -210,7 +211,6 @@ TEST(DepthMapper, MixedPixelsAreNoObstacles) {
     EXPECT_LT(to_surface(scene, p), 0.08) << p.transpose();
   });
 }
-#endif
 
 TEST(DepthMapper, GroundCorrectsTheTilt) {
   const DepthScene scene = furnished();
@@ -261,9 +261,9 @@ TEST(DepthMapper, APoseThatIsNotOkDoesNotExtendTheMap) {
   }
 }
 
-#ifndef __SANITIZE_ADDRESS__  // one way through the mapping, with other depths
 // What an image knows less of, the map knows less of: pixels made invalid never add knowledge.
 TEST(DepthMapper, InvalidPixelsSayNothing) {
+  NOT_UNDER_SANITIZERS("one way through the mapping, with other depths");
   const DepthScene scene = furnished();
   std::mt19937 generator(5);
   for (int trial = 0; trial < 6; ++trial) {
@@ -301,6 +301,7 @@ TEST(DepthMapper, InvalidPixelsSayNothing) {
 }
 
 TEST(DepthMapper, EveryKindOfInvalidIsTheSame) {
+  NOT_UNDER_SANITIZERS("one way through the mapping, with other depths");
   const DepthScene scene = furnished();
   const DepthFrame frame = walk(scene, 4);
   const float inf = std::numeric_limits<float>::infinity();
@@ -327,6 +328,7 @@ TEST(DepthMapper, EveryKindOfInvalidIsTheSame) {
 
 // A box was seen; then the image is invalid where it is, for long: it stays.
 TEST(DepthMapper, InvalidNeverClearsWhatWasSeen) {
+  NOT_UNDER_SANITIZERS("one way through the mapping, with other depths");
   const DepthScene scene = furnished();
   DepthMapper mapper(kCamera, fine());
   const DepthFrame frame = walk(scene, 6, 0.0);
@@ -363,7 +365,6 @@ TEST(DepthMapper, InvalidNeverClearsWhatWasSeen) {
   EXPECT_GT(kept, 30);
   EXPECT_EQ(lost, 0);
 }
-#endif
 
 TEST(DepthMapper, Faults) {
   const DepthScene scene = furnished();
@@ -422,8 +423,8 @@ TEST(DepthMapper, SurvivesRandomInput) {
   }
 }
 
-#ifndef __SANITIZE_ADDRESS__  // the release build compares bits
 TEST(DepthMapper, SameFramesSameBits) {
+  NOT_UNDER_SANITIZERS("the release build compares bits");
   const DepthScene scene = furnished();
   DepthMapper a(kCamera, fine()), b(kCamera, fine());
   for (int k = 0; k < 3; ++k) {
@@ -435,7 +436,6 @@ TEST(DepthMapper, SameFramesSameBits) {
   }
   EXPECT_EQ(a.map().voxels()->data(), b.map().voxels()->data());
 }
-#endif
 
 TEST(DepthMapper, RefusesWrongOptions) {
   const auto refused = [](auto change) {

@@ -13,6 +13,7 @@
 
 #include "engine/support/cholesky.h"
 #include "perception/odometry/se3.h"
+#include "tests/not_under_sanitizers.h"
 
 namespace prospect::pose_drift_test {
 namespace {
@@ -121,8 +122,8 @@ TEST(PoseDrift, AnErrorOfAllDisparitiesGrowsWithTheNumberOfSteps) {
   EXPECT_NEAR(C(2, 2), 0.04 * 25.0, 1e-12);
 }
 
-#ifndef __SANITIZE_ADDRESS__  // statistics repeat a step of other tests a thousand times
 TEST(PoseDrift, AgreesWithSimulatedErrors) {
+  NOT_UNDER_SANITIZERS("statistics repeat a step of other tests a thousand times");
   // A tangle of poses, each measured against several earlier ones, drawn many times by the model.
   struct Step {
     std::vector<PoseDrift::Reference> references;
@@ -191,7 +192,6 @@ TEST(PoseDrift, AgreesWithSimulatedErrors) {
   EXPECT_LT((sample - C).norm(), 0.03 * C.norm());
   EXPECT_LT((sample_motion - motion).norm(), 0.03 * motion.norm());
 }
-#endif
 
 TEST(PoseDrift, WhatAnAnchorMeasuredWrongIsTheSameInEveryFrame) {
   // Two poses that see one landmark alike: both are wrong by it, and the motion between is not. A

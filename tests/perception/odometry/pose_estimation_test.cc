@@ -15,6 +15,7 @@
 
 #include "engine/support/cholesky.h"
 #include "perception/odometry/disparity_offset.h"
+#include "tests/not_under_sanitizers.h"
 
 namespace prospect::pose_estimation_test {
 namespace {
@@ -68,8 +69,8 @@ class PoseEstimation : public testing::Test {
   }
 };
 
-#ifndef __SANITIZE_ADDRESS__  // statistics repeat a step of other tests a thousand times
 TEST_F(PoseEstimation, TheCovarianceIsHonest) {
+  NOT_UNDER_SANITIZERS("statistics repeat a step of other tests a thousand times");
   // Normalised error squared of the pose over 300 trials: chi^2_6 / 6, mean 1 +- 0.033.
   PoseEstimatorOptions options;
   options.sigma_left = options.sigma_right = 0.25;
@@ -94,6 +95,7 @@ TEST_F(PoseEstimation, TheCovarianceIsHonest) {
 }
 
 TEST_F(PoseEstimation, RansacSortsOutHalfOfTheObservations) {
+  NOT_UNDER_SANITIZERS("statistics repeat a step of other tests a thousand times");
   PoseEstimatorOptions options;
   options.sigma_left = options.sigma_right = 0.25;
   for (int trial = 0; trial < 50; ++trial) {
@@ -114,7 +116,6 @@ TEST_F(PoseEstimation, RansacSortsOutHalfOfTheObservations) {
     EXPECT_EQ(again.inlier, coarse.inlier);
   }
 }
-#endif
 
 TEST_F(PoseEstimation, SaysSoWhenThePointsDoNotFixThePose) {
   PoseEstimatorOptions options;
@@ -168,10 +169,10 @@ TEST_F(PoseEstimation, AtRestTheOffsetStaysUnknown) {
   EXPECT_EQ(off.value(), 0.0);
 }
 
-#ifndef __SANITIZE_ADDRESS__  // recordings go the ways of rendered sequences, on larger images
 // Stereo tracks of a car as text, with the camera poses that came with them: refinement alone,
 // without images. Each pair of frames `apart` is solved from the motion before it.
 TEST(RecordedTracks, RefinementAgreesWithTheGivenPoses) {
+  NOT_UNDER_SANITIZERS("recordings go the ways of rendered sequences, on larger images");
   const std::string folder = PROSPECT_SHARED_DATA "/vo_text/gtsam_kitti_large/";
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no " << folder;
   StereoCamera camera;
@@ -240,7 +241,6 @@ TEST(RecordedTracks, RefinementAgreesWithTheGivenPoses) {
     EXPECT_GT(used, 0.9 * all);
   }
 }
-#endif
 
 }  // namespace
 }  // namespace prospect::pose_estimation_test

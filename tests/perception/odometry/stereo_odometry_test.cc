@@ -18,6 +18,7 @@
 
 #include "engine/support/cholesky.h"
 #include "engine/support/eigenvalues.h"
+#include "tests/not_under_sanitizers.h"
 #include "tests/perception/image_faults.h"
 #include "tests/perception/rendered_room.h"
 
@@ -72,8 +73,8 @@ double path_length(const std::vector<Isometry3d>& poses) {
   return length;
 }
 
-#ifndef __SANITIZE_ADDRESS__  // long sequences go the ways of short ones
 TEST(StereoOdometry, FollowsAnArc) {
+  NOT_UNDER_SANITIZERS("long sequences go the ways of short ones");
   const Sequence& s = moving();
   StereoOdometry odometry(small_camera(), {}, s.T_WC[0]);
   int keyframes = 0;
@@ -116,6 +117,7 @@ TEST(StereoOdometry, FollowsAnArc) {
 }
 
 TEST(StereoOdometry, FollowsAHeadThatTurnsFast) {
+  NOT_UNDER_SANITIZERS("long sequences go the ways of short ones");
   // Six degrees of freedom at 20 Hz, up to 3.7 rad/s, at full size; the first step is 10 degrees,
   // with nothing known of the motion.
   const StereoCamera camera;
@@ -154,10 +156,9 @@ TEST(StereoOdometry, FollowsAHeadThatTurnsFast) {
               keyframes[keyframes.size() / 2], keyframes.back(), keyframes.size());
   EXPECT_LT(worst, 0.005 * length);
 }
-#endif
 
-#ifndef __SANITIZE_ADDRESS__  // the release build compares bits
 TEST(StereoOdometry, SameFramesSameBits) {
+  NOT_UNDER_SANITIZERS("the release build compares bits");
   const Sequence& s = moving();
   StereoOdometry first(small_camera()), second(small_camera());
   for (int k = 0; k < 15; ++k) {
@@ -170,7 +171,6 @@ TEST(StereoOdometry, SameFramesSameBits) {
     ASSERT_EQ(a.tracked, b.tracked);
   }
 }
-#endif
 
 TEST(StereoOdometry, ACalibrationSaidToBeExactClaimsLessAndMovesNoPose) {
   const Sequence& s = moving();
@@ -242,10 +242,10 @@ TEST(StereoOdometry, MappingOnASecondThreadFollowsAsWell) {
   }
 }
 
-#ifndef __SANITIZE_ADDRESS__  // long sequences go the ways of short ones
 // Before tiles, each landmark has others like it beside it. A base that begins to turn within a
 // frame shifts the image by one of them; where wheels tell, the right ones are found.
 TEST(StereoOdometry, BeforeTilesAMeasuredMotionFindsTheRightOnes) {
+  NOT_UNDER_SANITIZERS("long sequences go the ways of short ones");
   const RenderedRoom room(70.0, 0.16);
   double worst[2] = {0.0, 0.0};
   for (const bool told : {false, true}) {
@@ -281,6 +281,7 @@ TEST(StereoOdometry, BeforeTilesAMeasuredMotionFindsTheRightOnes) {
 }
 
 TEST(StereoOdometry, NothingDriftsAtRest) {
+  NOT_UNDER_SANITIZERS("long sequences go the ways of short ones");
   const RenderedRoom room;
   StereoOdometry odometry(small_camera());
   double worst = 0.0;
@@ -295,6 +296,7 @@ TEST(StereoOdometry, NothingDriftsAtRest) {
 }
 
 TEST(StereoOdometry, AMiscalibratedDisparityIsFoundWhileMoving) {
+  NOT_UNDER_SANITIZERS("long sequences go the ways of short ones");
   // The right camera's principal point is half a pixel off: all disparities too small by 0.5 px.
   const RenderedRoom room;
   StereoCamera true_right = small_camera();
@@ -323,7 +325,6 @@ TEST(StereoOdometry, AMiscalibratedDisparityIsFoundWhileMoving) {
       1e3 * error[0], 1e3 * error[1]);
   EXPECT_LT(error[1], 0.5 * error[0]);
 }
-#endif
 
 TEST(StereoOdometry, CamerasOutOfStepSayWhatDepthsMayBeOffBy) {
   // A turn of 0.4 rad/s at 0.5 m/s; the right image is taken tau later. Depths, and so the way, are

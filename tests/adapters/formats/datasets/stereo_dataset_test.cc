@@ -16,6 +16,7 @@
 #include "adapters/formats/files/input_error.h"
 #include "adapters/missions/recordings/odometry_run.h"
 #include "tests/images/image_file.h"
+#include "tests/not_under_sanitizers.h"
 #include "tests/perception/image_faults.h"
 #include "tests/perception/rendered_room.h"
 
@@ -232,8 +233,8 @@ TEST_F(StereoRecording, RefusesACalibrationThatTheImagesContradict) {
               HasSubstr("the principal point is (400, 300) but the images have 400 x 300"));
 }
 
-#ifndef __SANITIZE_ADDRESS__  // recordings go the ways of rendered sequences, on larger images
 TEST_F(StereoRecording, RefusesExchangedAndShiftedImages) {
+  NOT_UNDER_SANITIZERS("recordings go the ways of rendered sequences, on larger images");
   kitti();
   fs::rename(folder_ + "/image_0", folder_ + "/other");
   fs::rename(folder_ + "/image_1", folder_ + "/image_0");
@@ -260,7 +261,6 @@ TEST_F(StereoRecording, RefusesExchangedAndShiftedImages) {
   write("image_1/000000.png", "no image");
   EXPECT_THAT(refusal(), HasSubstr("cannot be decoded"));
 }
-#endif
 
 TEST_F(StereoRecording, RefusesWrongSensorFiles) {
   euroc();
@@ -287,8 +287,8 @@ std::string shared(const std::string& name) {
   return std::string(PROSPECT_SHARED_DATA) + "/stereo/" + name;
 }
 
-#ifndef __SANITIZE_ADDRESS__  // recordings go the ways of rendered sequences, on larger images
 TEST(RealRecording, KittiClip) {
+  NOT_UNDER_SANITIZERS("recordings go the ways of rendered sequences, on larger images");
   const std::string folder = shared("kitti_seq1");
   if (!fs::exists(folder)) GTEST_SKIP() << "no " << folder;
   const OdometrySummary s = summarize(run_odometry(StereoDataset::open(folder)));
@@ -307,6 +307,7 @@ TEST(RealRecording, KittiClip) {
 }
 
 TEST(RealRecording, EurocAtRest) {
+  NOT_UNDER_SANITIZERS("recordings go the ways of rendered sequences, on larger images");
   const std::string folder = shared("euroc_v101_start_static");
   if (!fs::exists(folder)) GTEST_SKIP() << "no " << folder;
   const OdometryRun run = run_odometry(StereoDataset::open(folder));
@@ -317,7 +318,6 @@ TEST(RealRecording, EurocAtRest) {
   EXPECT_LT(s.end.translation, 0.0025);
   EXPECT_LT(s.end.rotation, 0.2 * M_PI / 180.0);
 }
-#endif
 
 /// The faults of image_faults.h on a real recording: noticed within two frames, no jump, and good
 /// again at most `recovery` frames after.
@@ -353,15 +353,15 @@ void expect_faults_noticed(const std::string& folder, int first, double step, in
   }
 }
 
-#ifndef __SANITIZE_ADDRESS__  // recordings go the ways of rendered sequences, on larger images
 TEST(RealRecording, FaultsOnTheKittiClip) {
+  NOT_UNDER_SANITIZERS("recordings go the ways of rendered sequences, on larger images");
   expect_faults_noticed(shared("kitti_seq1"), 20, 1.2, 5);
 }
 
 TEST(RealRecording, FaultsAtRest) {
+  NOT_UNDER_SANITIZERS("recordings go the ways of rendered sequences, on larger images");
   expect_faults_noticed(shared("euroc_v101_start_static"), 10, 0.0, 2);
 }
-#endif
 
 }  // namespace
 }  // namespace prospect::stereo_dataset_test

@@ -19,6 +19,7 @@
 #include "models/unicycle.h"
 #include "tests/engine/problem_specifications.h"
 #include "tests/engine/same_problem.h"
+#include "tests/not_under_sanitizers.h"
 
 namespace prospect::test::problem_file_test {
 namespace {
@@ -92,8 +93,8 @@ class ProblemFileTest : public ::testing::Test {
   std::string root_;
 };
 
-#ifndef __SANITIZE_ADDRESS__  // the release build compares bits
 TEST_F(ProblemFileTest, AProblemReadBackIsTheOneThatWasWrittenBitForBit) {
+  NOT_UNDER_SANITIZERS("the release build compares bits");
   for (const NamedSpecification& named : specifications_of_every_kind()) {
     SCOPED_TRACE(named.name);
     const std::string file = path("problem.h5");
@@ -124,7 +125,6 @@ TEST_F(ProblemFileTest, AProblemReadBackIsTheOneThatWasWrittenBitForBit) {
     EXPECT_EQ(content(file), content(path("again.h5")));
   }
 }
-#endif
 
 TEST_F(ProblemFileTest, KeepsAWarmStartAndWhatElseMayBeThereOrNot) {
   SavedProblem problem = small_problem();
@@ -822,8 +822,8 @@ std::set<std::string> documented() {
   return found;
 }
 
-#ifndef __SANITIZE_ADDRESS__  // pages do not depend on the build
 TEST_F(ProblemFileTest, TheDocumentationDescribesEveryEntryAndNoOther) {
+  NOT_UNDER_SANITIZERS("pages do not depend on the build");
   std::set<std::string> written;
   for (NamedSpecification& named : specifications_of_every_kind()) {
     SavedProblem problem = saved(named);
@@ -845,7 +845,6 @@ TEST_F(ProblemFileTest, TheDocumentationDescribesEveryEntryAndNoOther) {
   EXPECT_GT(written.size(), 100u);
   EXPECT_EQ(written, documented());
 }
-#endif
 
 }  // namespace
 }  // namespace prospect::test::problem_file_test

@@ -26,6 +26,7 @@
 #include "adapters/formats/worlds/ros_map.h"
 #include "adapters/formats/worlds/world_file.h"
 #include "tests/images/image_file.h"
+#include "tests/not_under_sanitizers.h"
 
 namespace prospect::worlds_test {
 namespace {
@@ -1103,8 +1104,8 @@ TEST_F(Worlds, PatchyTextureHasItsSharesAndPatches) {
 // --- real maps
 // -------------------------------------------------------------------------------------
 
-#ifndef __SANITIZE_ADDRESS__  // real maps go the ways of small ones
 TEST_F(Worlds, RealMapsLoadAndCanBeExplored) {
+  NOT_UNDER_SANITIZERS("real maps go the ways of small ones");
   const fs::path data = PROSPECT_SHARED_DATA;
   if (!fs::exists(data / "maps2d")) GTEST_SKIP() << "no shared data: " << data;
   int loaded = 0;
@@ -1133,7 +1134,6 @@ TEST_F(Worlds, RealMapsLoadAndCanBeExplored) {
     EXPECT_THAT(refusal(slab), HasSubstr("no place where the robot can stand"));
   }
 }
-#endif
 
 }  // namespace
 }  // namespace prospect::worlds_test

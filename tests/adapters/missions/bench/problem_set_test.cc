@@ -11,6 +11,7 @@
 #include "adapters/missions/bench/mission_set.h"
 #include "problems/r1.h"
 #include "problems/zoo.h"
+#include "tests/not_under_sanitizers.h"
 
 namespace prospect::problem_set_test {
 namespace {
@@ -105,8 +106,8 @@ TEST_F(Missions, AreCapturedAtTheStepsAskedForAndReadBackFromTheFolder) {
             cost(set.problems[1], set.problems[1].start.x));
 }
 
-#ifndef __SANITIZE_ADDRESS__  // costs, sizes and times are those of the release build
 TEST_F(Missions, KeepTheirBestCosts) {
+  NOT_UNDER_SANITIZERS("costs, sizes and times are those of the release build");
   ProblemSet set = make_problem_set(folder_.string(), {}, {}, false);
   set.problems[1].best_known = -0.123456789012345678;
   keep_best_known(set);
@@ -120,7 +121,6 @@ TEST_F(Missions, KeepTheirBestCosts) {
     EXPECT_THAT(refusal(folder_.string()), HasSubstr("; expected {\"costs\"")) << bad;
   }
 }
-#endif
 
 TEST_F(Missions, AreRefusedAsAWholeIfOneFileIsDamaged) {
   std::ofstream(folder_ / "zzz.h5") << "no problem";

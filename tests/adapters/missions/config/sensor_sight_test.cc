@@ -15,6 +15,7 @@
 #include "engine/maps/map_projection.h"
 #include "models/make_model.h"
 #include "perception/mapping/occupancy_mapper.h"
+#include "tests/not_under_sanitizers.h"
 
 namespace prospect::sensor_sight_test {
 namespace {
@@ -102,10 +103,10 @@ Seen look_round(const Sensor& sensor, double height, double resolution) {
   return seen;
 }
 
-#ifndef __SANITIZE_ADDRESS__  // one way through the mapping, with other depths
 // A map's lattice has nothing to do with where a sensor happens to be mounted: what is seen of the
 // ground may not depend on it.
 TEST(SensorSight, SeesTheOfficeFromAnyHeightAtAnyResolution) {
+  NOT_UNDER_SANITIZERS("one way through the mapping, with other depths");
   for (const Sensor& sensor : {kLidar, kTiltedLidar, kDepthCamera}) {
     for (const double resolution : {0.05, 0.07, 0.1}) {
       if (resolution == 0.07 && sensor.footprint.vertical_fov > 0.0) continue;  // dear
@@ -127,7 +128,6 @@ TEST(SensorSight, SeesTheOfficeFromAnyHeightAtAnyResolution) {
     }
   }
 }
-#endif
 
 TEST(SensorSight, HeightsOfRays) {
   const auto heights = [](const RgbdFootprint& f, double z, double pitch, double roll = 0.0) {

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "adapters/missions/recordings/calibration_report.h"
+#include "tests/not_under_sanitizers.h"
 #include "tests/perception/rendered_room.h"
 
 namespace prospect::odometry_calibration_test {
@@ -118,8 +119,8 @@ TEST(ForecastVisibility, FollowsAllSixDegreesOfFreedom) {
                std::invalid_argument);
 }
 
-#ifndef __SANITIZE_ADDRESS__  // recordings go the ways of rendered sequences, on larger images
 TEST(OdometryCalibration, PredictsWhatIsTrackedInARenderedRoom) {
+  NOT_UNDER_SANITIZERS("recordings go the ways of rendered sequences, on larger images");
   const OdometryCalibrationResult r = calibrate(the_truth);
   std::fputs(calibration_text(r).c_str(), stdout);
   ASSERT_EQ(r.online.size(), 2u);
@@ -140,6 +141,7 @@ TEST(OdometryCalibration, PredictsWhatIsTrackedInARenderedRoom) {
 }
 
 TEST(OdometryCalibration, ATruthThatIsNotTheMotionIsSeenInBothCovariances) {
+  NOT_UNDER_SANITIZERS("recordings go the ways of rendered sequences, on larger images");
   // The true camera goes 5 % farther.
   const OdometryCalibrationResult good = calibrate(the_truth);
   const OdometryCalibrationResult bad = calibrate([](int k) -> std::optional<Isometry3d> {
@@ -153,11 +155,13 @@ TEST(OdometryCalibration, ATruthThatIsNotTheMotionIsSeenInBothCovariances) {
 }
 
 TEST(OdometryCalibration, SameFramesSameBits) {
+  NOT_UNDER_SANITIZERS("recordings go the ways of rendered sequences, on larger images");
   EXPECT_EQ(calibration_json(calibrate(the_truth)).dump(),
             calibration_json(calibrate(the_truth)).dump());
 }
 
 TEST(OdometryCalibration, WithoutTruthTheOdometrysOwnMotionCounts) {
+  NOT_UNDER_SANITIZERS("recordings go the ways of rendered sequences, on larger images");
   const OdometryCalibrationResult r = calibrate([](int) { return std::nullopt; });
   const OdometryCalibrationResult with = calibrate(the_truth);
   EXPECT_EQ(r.consistency.pose.count, 0);
@@ -170,6 +174,7 @@ TEST(OdometryCalibration, WithoutTruthTheOdometrysOwnMotionCounts) {
 }
 
 TEST(OdometryCalibration, WhereItIsLostNothingIsTracked) {
+  NOT_UNDER_SANITIZERS("recordings go the ways of rendered sequences, on larger images");
   const OdometryCalibrationResult r = calibrate(the_truth, 12, 11);
   const OdometryCalibrationResult before = calibrate(the_truth, 11);
   // Of the seven frames with an outcome five later, the last had none.
@@ -178,6 +183,7 @@ TEST(OdometryCalibration, WhereItIsLostNothingIsTracked) {
 }
 
 TEST(OdometryCalibration, TooFewFramesGiveNothingAndSaySo) {
+  NOT_UNDER_SANITIZERS("recordings go the ways of rendered sequences, on larger images");
   for (const int frames : {0, 1, 5}) {
     const OdometryCalibrationResult r = calibrate(the_truth, frames);
     EXPECT_EQ(r.predictions, 0);
@@ -188,6 +194,7 @@ TEST(OdometryCalibration, TooFewFramesGiveNothingAndSaySo) {
 }
 
 TEST(OdometryCalibration, RecordingsAreApart) {
+  NOT_UNDER_SANITIZERS("recordings go the ways of rendered sequences, on larger images");
   OdometryCalibration calibration(camera(), {}, {{5}, 1, 0.9});
   for (int recording = 0; recording < 2; ++recording) {
     StereoOdometry odometry(camera(), {}, pose(0));
@@ -204,10 +211,10 @@ TEST(OdometryCalibration, RecordingsAreApart) {
 }
 
 TEST(OdometryCalibration, RefusesHorizonsOfNothing) {
+  NOT_UNDER_SANITIZERS("recordings go the ways of rendered sequences, on larger images");
   EXPECT_THROW(OdometryCalibration(camera(), {}, {{0}, 1, 0.9}), std::invalid_argument);
   EXPECT_THROW(OdometryCalibration(camera(), {}, {{5}, 0, 0.9}), std::invalid_argument);
 }
-#endif
 
 }  // namespace
 }  // namespace prospect::odometry_calibration_test

@@ -11,6 +11,7 @@
 
 #include "engine/support/named.h"
 #include "tests/adapters/synthetic_run.h"
+#include "tests/not_under_sanitizers.h"
 
 namespace prospect::report_test {
 namespace {
@@ -81,14 +82,13 @@ TEST(Report, NeedsNothingBesideIt) {
   EXPECT_EQ(count(html, "dygraphs/blob/v"), 1) << "the library's licence stays with it";
 }
 
-#ifndef __SANITIZE_ADDRESS__  // costs, sizes and times are those of the release build
 TEST(Report, AMissionOfSixHundredStepsIsSmall) {
+  NOT_UNDER_SANITIZERS("costs, sizes and times are those of the release build");
   const RunRecord run = synthetic_run(600);
   const std::string html = render_report(run);
   EXPECT_LT(html.size(), 2600000U) << "6 MB for 1400 steps";
   EXPECT_EQ(html, render_report(run));
 }
-#endif
 
 TEST(Report, TextCannotBreakOutOfItsPlace) {
   RunRecord run = synthetic_run(3);

@@ -16,6 +16,7 @@
 #include "perception/odometry/image_pyramid.h"
 #include "perception/odometry/stereo_matcher.h"
 #include "tests/adapters/box_room.h"
+#include "tests/not_under_sanitizers.h"
 
 namespace prospect::camera_rig_test {
 namespace {
@@ -64,8 +65,8 @@ TEST(CameraRig, IsAFunctionOfSeedFrameAndPose) {
   EXPECT_FALSE(depth.same(other.depth(world.start, 3)));
 }
 
-#ifndef __SANITIZE_ADDRESS__  // statistics repeat a step of other tests a thousand times
 TEST(CameraRig, NoiseHasTheVarianceAskedForAndIsWhite) {
+  NOT_UNDER_SANITIZERS("statistics repeat a step of other tests a thousand times");
   const World world = load_world("office_bare");
   const auto scene = scene_of(world);
   CameraRigOptions options = ideal();
@@ -95,7 +96,6 @@ TEST(CameraRig, NoiseHasTheVarianceAskedForAndIsWhite) {
   EXPECT_NEAR(neighbours / count, 0.0, 0.01);
   EXPECT_NEAR(cameras / count, 0.0, 0.01);
 }
-#endif
 
 TEST(CameraRig, ExposureVignettingAndBlur) {
   const World world = test::box_room(4.0, 4.0, 2.0, 0.1, 40.0);
@@ -146,8 +146,8 @@ TEST(CameraRig, ExposureVignettingAndBlur) {
   EXPECT_EQ(moving.stereo(world.start, {Vector3d(1, 0, 0), 0.0}, 0).left.pixels, plain.pixels);
 }
 
-#ifndef __SANITIZE_ADDRESS__  // statistics repeat a step of other tests a thousand times
 TEST(CameraRig, MotionBlurIsTheMeanOverTheTurn) {
+  NOT_UNDER_SANITIZERS("statistics repeat a step of other tests a thousand times");
   // Against the mean of sharp images from the yaws that the exposure sweeps.
   const World world = test::box_room(8.0, 8.0, 2.0, 0.1, 40.0);
   const auto scene = scene_of(world);
@@ -175,7 +175,6 @@ TEST(CameraRig, MotionBlurIsTheMeanOverTheTurn) {
   }
   EXPECT_LT(error, 0.25 * without);
 }
-#endif
 
 TEST(CameraRig, DepthNoiseAndWhatIsInvalid) {
   const World world = test::box_room(8.0, 8.0, 3.0);
@@ -293,8 +292,8 @@ double corners_per_square_metre(double density, double quality) {
   return corners / kViews / seen;
 }
 
-#ifndef __SANITIZE_ADDRESS__  // statistics repeat a step of other tests a thousand times
 TEST(CameraRig, CornersGrowWithTexture) {
+  NOT_UNDER_SANITIZERS("statistics repeat a step of other tests a thousand times");
   const double rich = corners_per_square_metre(40.0, 1.0);
   const double medium = corners_per_square_metre(15.0, 1.0);
   const double poor = corners_per_square_metre(4.0, 1.0);
@@ -315,6 +314,7 @@ TEST(CameraRig, CornersGrowWithTexture) {
 }
 
 TEST(CameraRig, MarksAreCornersFromHalfAMetreToFive) {
+  NOT_UNDER_SANITIZERS("statistics repeat a step of other tests a thousand times");
   const World world = test::box_room(12.0, 12.0, 3.0, 0.1, 20.0);
   const CameraRig rig(scene_of(world), {});
   for (const double distance : {0.5, 1.0, 2.0, 3.5, 5.0}) {
@@ -349,7 +349,6 @@ TEST(CameraRig, MarksAreCornersFromHalfAMetreToFive) {
     EXPECT_GE(found, 0.9 * marks);
   }
 }
-#endif
 
 TEST(CameraRig, RefusesWhatMakesNoSense) {
   const auto scene = scene_of(test::box_room(2.0, 2.0));

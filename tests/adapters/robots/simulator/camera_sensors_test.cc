@@ -20,6 +20,7 @@
 #include "adapters/robots/simulator/simulator.h"
 #include "engine/maps/map_projection.h"
 #include "tests/adapters/box_room.h"
+#include "tests/not_under_sanitizers.h"
 
 namespace prospect::camera_sensors_test {
 namespace {
@@ -161,8 +162,8 @@ std::shared_ptr<World> tiled_room(double length, double width, double tile) {
   return world;
 }
 
-#ifndef __SANITIZE_ADDRESS__  // missions go the ways of drives and of steps
 TEST_F(CameraSensorsTest, OnATiledFloorTheWheelsTellWhichTile) {
+  NOT_UNDER_SANITIZERS("missions go the ways of drives and of steps");
   Simulator simulator(tiled_room(9.0, 7.0, 0.15), small_cameras());
   // Another tile than the right one is a jump of a tile, and stays. A floor is seen at a slant, and
   // every tile has the same corners: what that does to one is done to all, and drifts.
@@ -180,7 +181,6 @@ TEST_F(CameraSensorsTest, OnATiledFloorTheWheelsTellWhichTile) {
   EXPECT_LT(jump, 0.1 * kTile);
   EXPECT_LT(worst, 0.03);
 }
-#endif
 
 TEST_F(CameraSensorsTest, SameSeedSameBitsWithAnyNumberOfThreads) {
   const auto world = room_with_an_opening();
@@ -198,8 +198,8 @@ TEST_F(CameraSensorsTest, SameSeedSameBitsWithAnyNumberOfThreads) {
   EXPECT_NE(a.estimated_pose().position, c.estimated_pose().position);
 }
 
-#ifndef __SANITIZE_ADDRESS__  // missions go the ways of drives and of steps
 TEST_F(CameraSensorsTest, WhiteWallsAreARealLossAndTheWayBackEndsIt) {
+  NOT_UNDER_SANITIZERS("missions go the ways of drives and of steps");
   const auto world = test::half_white_room(9.0, 4.0);
   for (const bool wheels : {true, false}) {
     PerceptionOptions perception = simulated_perception();
@@ -233,6 +233,7 @@ TEST_F(CameraSensorsTest, WhiteWallsAreARealLossAndTheWayBackEndsIt) {
 }
 
 TEST_F(CameraSensorsTest, AMissionExploresByWhatTheCamerasSee) {
+  NOT_UNDER_SANITIZERS("missions go the ways of drives and of steps");
   const auto world = room_with_an_opening();
   Configuration configuration = configuration_from_text(
       "simulator:\n  sensors: camera\n"
@@ -250,7 +251,6 @@ TEST_F(CameraSensorsTest, AMissionExploresByWhatTheCamerasSee) {
   EXPECT_GT(s.path_length_m, 2.0);
   EXPECT_LT(s.localization_final_m, 0.05);
 }
-#endif
 
 TEST_F(CameraSensorsTest, RefusesACalibrationThatTheDepthCameraContradicts) {
   for (const double error : {-0.3, 0.25, 0.5}) {
@@ -270,8 +270,8 @@ TEST_F(CameraSensorsTest, RefusesACalibrationThatTheDepthCameraContradicts) {
   }
 }
 
-#ifndef __SANITIZE_ADDRESS__  // missions go the ways of drives and of steps
 TEST_F(CameraSensorsTest, ATenthIsNoticedOnceTheDisparitiesZeroIsKnown) {
+  NOT_UNDER_SANITIZERS("missions go the ways of drives and of steps");
   for (const double error : {-0.1, 0.01, 0.1}) {
     SimulatorOptions options = small_cameras();
     options.camera.baseline_error = error;
@@ -289,6 +289,7 @@ TEST_F(CameraSensorsTest, ATenthIsNoticedOnceTheDisparitiesZeroIsKnown) {
 }
 
 TEST_F(CameraSensorsTest, WithoutDepthsInCommonTheWheelsContradictACalibration) {
+  NOT_UNDER_SANITIZERS("missions go the ways of drives and of steps");
   SimulatorOptions options = small_cameras();
   // The depth camera looks back, where the stereo pair does not.
   options.depth_mount.T_BC = CameraMount::forward_facing({0.0, 0.0, 0.45}, M_PI, 0.3);
@@ -306,7 +307,6 @@ TEST_F(CameraSensorsTest, WithoutDepthsInCommonTheWheelsContradictACalibration) 
   EXPECT_NE(simulator.complaint().find("that by the wheels"), std::string::npos)
       << simulator.complaint();
 }
-#endif
 
 TEST_F(CameraSensorsTest, RefusesOptionsOutOfRange) {
   SimulatorOptions options = small_cameras();

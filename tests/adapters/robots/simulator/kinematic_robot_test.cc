@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "tests/adapters/box_room.h"
+#include "tests/not_under_sanitizers.h"
 
 namespace prospect::kinematic_robot_test {
 namespace {
@@ -111,8 +112,8 @@ bool brute_force_contact(const World& world, const RobotShape& shape, const Pose
   return false;
 }
 
-#ifndef __SANITIZE_ADDRESS__  // statistics repeat a step of other tests a thousand times
 TEST(ContactTest, AgreesWithSamplingForEveryShape) {
+  NOT_UNDER_SANITIZERS("statistics repeat a step of other tests a thousand times");
   World world = test::box_room(2.0, 2.0, 1.0);
   test::fill(world, {0.6, 0.6, 0.2}, {0.7, 0.8, 0.5});
   test::fill(world, {1.3, 1.1, 0.0}, {1.4, 1.2, 0.3}, CellState::kUnknown);
@@ -148,7 +149,6 @@ TEST(ContactTest, AgreesWithSamplingForEveryShape) {
     EXPECT_LT(between, 30);
   }
 }
-#endif
 
 TEST(ContactTest, TouchingIsNotContactAndOverlapIs) {
   const World world = test::box_room(2.0, 2.0, 1.0);
@@ -200,8 +200,8 @@ TEST(KinematicRobot, ThinWallsCannotBeJumped) {
   EXPECT_LT(robot.pose().position.x(), 3.0);
 }
 
-#ifndef __SANITIZE_ADDRESS__  // statistics repeat a step of other tests a thousand times
 TEST(KinematicRobot, ActuationNoiseHasTheStatedDeviationWhateverTheSteps) {
+  NOT_UNDER_SANITIZERS("statistics repeat a step of other tests a thousand times");
   const World world = test::box_room(6.0, 6.0, 1.0);
   ActuationNoise noise;
   noise.linear = 0.1;
@@ -229,7 +229,6 @@ TEST(KinematicRobot, ActuationNoiseHasTheStatedDeviationWhateverTheSteps) {
     EXPECT_NEAR(std::sqrt(angle / kSeeds), 1.4 * 0.08 / std::sqrt(2.0), 0.0034);
   }
 }
-#endif
 
 TEST(KinematicRobot, ExactWithoutNoiseAndSameSeedSameBits) {
   const World world = test::box_room(6.0, 6.0, 1.0);

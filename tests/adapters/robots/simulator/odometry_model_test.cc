@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "engine/support/eigenvalues.h"
+#include "tests/not_under_sanitizers.h"
 
 namespace prospect::odometry_model_test {
 namespace {
@@ -92,8 +93,8 @@ double sampled_drift(int count, double* heading) {
   return std::sqrt(sum / kSeeds);
 }
 
-#ifndef __SANITIZE_ADDRESS__  // statistics repeat a step of other tests a thousand times
 TEST(OdometryModel, SampledDriftFollowsOneOverTheRootOfTheCount) {
+  NOT_UNDER_SANITIZERS("statistics repeat a step of other tests a thousand times");
   double h200 = 0.0, h50 = 0.0;
   const double d200 = sampled_drift(200, &h200);
   const double d50 = sampled_drift(50, &h50);
@@ -102,7 +103,6 @@ TEST(OdometryModel, SampledDriftFollowsOneOverTheRootOfTheCount) {
   EXPECT_NEAR(d50 / d200, 2.0, 0.2);
   EXPECT_NEAR(h50 / h200, 2.0, 0.25);
 }
-#endif
 
 TEST(OdometryModel, NoDriftAtRestAndBetweenKeyframes) {
   OdometryModel model({}, kStereo, kMount, {}, 1);
@@ -148,9 +148,9 @@ TEST(OdometryModel, StateFollowsTheCount) {
   EXPECT_EQ(model.losses(), 2);
 }
 
-#ifndef __SANITIZE_ADDRESS__  // statistics repeat a step of other tests a thousand times
 // Along a curved path, with a lost stretch: the reported covariance is that of the sampled errors.
 TEST(OdometryModel, CovarianceIsThatOfTheErrors) {
+  NOT_UNDER_SANITIZERS("statistics repeat a step of other tests a thousand times");
   constexpr int kSeeds = 3000;
   const auto points = OdometryModel::reference_points(kStereo, 40);
   Eigen::Matrix3d sampled = Eigen::Matrix3d::Zero();
@@ -182,7 +182,6 @@ TEST(OdometryModel, CovarianceIsThatOfTheErrors) {
     }
   }
 }
-#endif
 
 TEST(OdometryModel, LossDriftsMoreThanFewFeatures) {
   const auto few = OdometryModel::reference_points(kStereo, 12);

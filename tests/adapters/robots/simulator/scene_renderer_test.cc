@@ -15,6 +15,7 @@
 #include "adapters/robots/simulator/world_mesh.h"
 #include "perception/odometry/rotation_between.h"
 #include "tests/adapters/box_room.h"
+#include "tests/not_under_sanitizers.h"
 
 namespace prospect::scene_renderer_test {
 namespace {
@@ -154,8 +155,8 @@ TEST(SceneRenderer, NoRaySlipsThrough) {
   }
 }
 
-#ifndef __SANITIZE_ADDRESS__  // the release build compares bits
 TEST(SceneRenderer, SameBitsWithAnyNumberOfThreads) {
+  NOT_UNDER_SANITIZERS("the release build compares bits");
   const World world = load_world("office_bare");
   const SceneRenderer scene(mesh_of(world));
   const SceneRenderer again(mesh_of(world));
@@ -174,10 +175,9 @@ TEST(SceneRenderer, SameBitsWithAnyNumberOfThreads) {
     EXPECT_EQ(one, again.intensity(camera, T_WC, 1));
   }
 }
-#endif
 
-#ifndef __SANITIZE_ADDRESS__  // statistics repeat a step of other tests a thousand times
 TEST(SceneRenderer, PixelsAreMeansOverTheirArea) {
+  NOT_UNDER_SANITIZERS("statistics repeat a step of other tests a thousand times");
   // Against the mean of 8 x 8 pixels of an image eight times as large.
   const World world = load_world("office_bare");
   const SceneRenderer scene(mesh_of(world));
@@ -221,7 +221,6 @@ TEST(SceneRenderer, PixelsAreMeansOverTheirArea) {
   EXPECT_LT(rms, 0.5 * std::sqrt(signal / count));
   EXPECT_LT(far_off, count / 500);
 }
-#endif
 
 TEST(SceneRenderer, ShadesByDirection) {
   // A plain square from both sides, and the background beside it.

@@ -13,6 +13,7 @@
 #include "adapters/missions/run/exploration_run.h"
 #include "engine/maps/map_projection.h"
 #include "tests/adapters/box_room.h"
+#include "tests/not_under_sanitizers.h"
 
 namespace prospect::simulator_test {
 namespace {
@@ -57,9 +58,9 @@ void tour(Simulator& simulator) {
   simulator.apply(twist(0.0, -1.0), 6.3);
 }
 
-#ifndef __SANITIZE_ADDRESS__  // missions go the ways of drives and of steps
 // From prediction to report: whatever the sensor's field of view, a mission explores the two rooms.
 TEST(Simulator, SensorsOfAnyFieldOfViewExplore) {
+  NOT_UNDER_SANITIZERS("missions go the ways of drives and of steps");
   for (const char* depth : {"{horizontal_fov: 270, max_range: 12}",
                             "{horizontal_fov: 360, vertical_fov: 0, min_range: 0.1, max_range: 12}",
                             "{horizontal_fov: 15, vertical_fov: 15, max_range: 6}"}) {
@@ -77,7 +78,6 @@ TEST(Simulator, SensorsOfAnyFieldOfViewExplore) {
     EXPECT_LT(s.fallbacks, 0.1 * s.steps);
   }
 }
-#endif
 
 TEST(Simulator, AMissionOfARobotThatFliesIsRefused) {
   const Configuration configuration =
@@ -145,8 +145,8 @@ TEST(Simulator, TheBodyStandsAtItsBaseHeight) {
   EXPECT_THROW(Simulator(office_like(), options), std::invalid_argument);
 }
 
-#ifndef __SANITIZE_ADDRESS__  // missions go the ways of drives and of steps
 TEST(Simulator, MapWithPerfectOdometryIsTheTruth) {
+  NOT_UNDER_SANITIZERS("missions go the ways of drives and of steps");
   const auto world = office_like();
   Simulator simulator(world, perfect());
   tour(simulator);
@@ -171,6 +171,7 @@ TEST(Simulator, MapWithPerfectOdometryIsTheTruth) {
 }
 
 TEST(Simulator, CoverageCountsWhatHasReallyBeenSeen) {
+  NOT_UNDER_SANITIZERS("missions go the ways of drives and of steps");
   const auto world = office_like();
   Simulator simulator(world, perfect());
   EXPECT_TRUE(std::isnan(simulator.coverage())) << "a share of nothing";
@@ -208,7 +209,6 @@ TEST(Simulator, CoverageCountsWhatHasReallyBeenSeen) {
   }
   EXPECT_LT(differ, total / 50);
 }
-#endif
 
 TEST(Simulator, BeginsWithAMapAndWhatItKnowsIsSeen) {
   const auto world = office_like();
@@ -235,8 +235,8 @@ TEST(Simulator, BeginsWithAMapAndWhatItKnowsIsSeen) {
   EXPECT_LT(nothing.coverage(), 0.5 * second.coverage());
 }
 
-#ifndef __SANITIZE_ADDRESS__  // statistics repeat a step of other tests a thousand times
 TEST(Simulator, EstimateDriftsAndItsCovarianceSaysHowMuch) {
+  NOT_UNDER_SANITIZERS("statistics repeat a step of other tests a thousand times");
   const auto world = office_like();
   double error = 0.0, predicted = 0.0;
   constexpr int kSeeds = 12;
@@ -258,10 +258,9 @@ TEST(Simulator, EstimateDriftsAndItsCovarianceSaysHowMuch) {
   EXPECT_GT(error, 0.35 * predicted);
   EXPECT_LT(std::sqrt(predicted / kSeeds), 0.15);
 }
-#endif
 
-#ifndef __SANITIZE_ADDRESS__  // missions go the ways of drives and of steps
 TEST(Simulator, BlankWallsLoseLocalizationAndTextureBringsItBack) {
+  NOT_UNDER_SANITIZERS("missions go the ways of drives and of steps");
   const auto world = test::half_white_room(12.0, 6.0);
   Simulator simulator(world, {});
   EXPECT_EQ(simulator.sense()->localization, Localization::kOk);
@@ -281,6 +280,7 @@ TEST(Simulator, BlankWallsLoseLocalizationAndTextureBringsItBack) {
 
 // Into the white half and back, facing the same way, so that the views come again.
 TEST(Simulator, FindsItsPlaceAgainAfterALoss) {
+  NOT_UNDER_SANITIZERS("missions go the ways of drives and of steps");
   const auto world = test::half_white_room(12.0, 6.0);
   double before = 0.0, lost = 0.0, after = 0.0;
   int losses = 0;
@@ -324,7 +324,6 @@ TEST(Simulator, FindsItsPlaceAgainAfterALoss) {
   EXPECT_LT(after, before + 0.03);
   EXPECT_EQ(losses, kSeeds);
 }
-#endif
 
 TEST(Simulator, BeliefsNeverChangeAfterTheyAreTaken) {
   Simulator simulator(office_like(), {});
@@ -435,8 +434,10 @@ TEST(Simulator, OneSecondOfRobotTimeCostsLessThanFiftyMilliseconds) {
     total += took;
   }
   std::printf("one second of robot time: mean %.1f ms, best %.1f ms\n", total / kSeconds, best);
-#if defined(NDEBUG) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-  EXPECT_LT(best, 50.0);
+#ifdef NDEBUG
+  if (!test::under_sanitizers()) {
+    EXPECT_LT(best, 50.0);
+  }
 #endif
 }
 
