@@ -7,6 +7,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdint>
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <numbers>
@@ -525,6 +526,8 @@ double checked_pixel_size(const std::string& path, WorldOptions& options) {
 constexpr double kMostYaw = 8.0;  // [rad]: more is an angle in degrees
 // A northing of UTM reaches 1e7, a coordinate of Web Mercator 2.004e7 [m].
 constexpr double kFarthestOrigin = 2.1e7;
+// Farther away cameras, whose numbers have single precision, do not see millimetres [m].
+constexpr double kFarOrigin = 1e4;
 
 /// Pixels between the thresholds, as Cartographer's map of probabilities has them within free
 /// space; not those that say by their value that nothing is known there. Empty if they are few.
@@ -581,6 +584,14 @@ World world_from_ros_map(const std::string& path, const WorldOptions& options) {
   const double yaw = std::remainder(origin[2], 2.0 * std::numbers::pi);
   if (std::abs(yaw) * std::max(plan.width, plan.height) > 0.01) {
     plan = turned(plan, resolution, yaw, corner, path);
+  }
+  if (corner.cwiseAbs().maxCoeff() > kFarOrigin) {
+    char words[160];
+    std::snprintf(words, sizeof words,
+                  "the origin (%.2f, %.2f) m: positions count from the map's lower left corner",
+                  corner.x(), corner.y());
+    left_out.name(words);
+    corner.setZero();
   }
   World world = extrude(std::move(plan), resolution, corner, path, options);
   world.left_out = std::move(left_out);

@@ -22,7 +22,8 @@ namespace prospect {
 ///
 /// Occupied cells become walls of wall_height, free cells free columns over a floor, unknown cells
 /// unknown columns; wall_height is rounded up to whole voxels. The origin is moved to the nearest
-/// whole voxel. A map with a yaw is turned into cells along the axes of W: such a cell is occupied
+/// whole voxel; one more than 10 km away, as of UTM, is left out and told: W's is the lower left
+/// corner then. A map with a yaw is turned into cells along the axes of W: such a cell is occupied
 /// if it meets an occupied one, free if all that it meets are. start is left at the origin of W:
 /// see place_start.
 World world_from_ros_map(const std::string& path, const WorldOptions& options = {});

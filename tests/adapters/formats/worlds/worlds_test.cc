@@ -501,8 +501,11 @@ TEST_F(Worlds, RosMapsWithOriginsInUtm) {
   write("map.pgm", pgm(60, 50, room_pixels(60, 50)));
   const World world = load_world(
       write("m.yaml", "image: map.pgm\nresolution: 0.05\norigin: [448262.75, 5411932.25, 0]\n"));
-  const GridFrame& frame = world.voxels.frame();
-  EXPECT_NEAR(frame.j0 * frame.resolution, 5411932.25, 0.06);
+  EXPECT_EQ(world.voxels.frame().j0, 0);
+  EXPECT_EQ(world.left_out.text(),
+            "the origin (448262.75, 5411932.25) m: positions count from the map's lower left "
+            "corner");
+  expect_sound(world);
   EXPECT_THAT(refusal(write("m.yaml", "image: map.pgm\nresolution: 0.05\norigin: [0, 1e8, 0]\n")),
               HasSubstr("m.yaml:3: origin"));
 }
