@@ -11,6 +11,7 @@
 #include "engine/support/stopwatch.h"
 #include "models/make_model.h"
 #include "tests/engine/planning_scene.h"
+#include "tests/not_under_sanitizers.h"
 
 namespace prospect::step_deadline_test {
 namespace {
@@ -100,11 +101,10 @@ class StepDeadline : public ::testing::Test {
   }
   /// But for one step in twenty, which the machine may have disturbed.
   void expect_in_time(double deadline) {
-#ifndef __SANITIZE_ADDRESS__  // the release build counts time
+    NOT_UNDER_SANITIZERS("the release build counts time");
     std::vector<double> sorted = times_;
     std::sort(sorted.begin(), sorted.end());
     EXPECT_LE(sorted[sorted.size() - 1 - sorted.size() / 20], allowed(deadline));
-#endif
   }
 };
 
