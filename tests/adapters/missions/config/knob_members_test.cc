@@ -229,7 +229,8 @@ TEST(KnobMembers, EveryNumberAndSwitchIsAKnob) {
   }
   {
     MissionOptions o;
-    [[maybe_unused]] auto& [time_limit, lost_limit, enough, return_when_done, task] = o;
+    [[maybe_unused]] auto& [time_limit, lost_limit, missing, return_when_done, task, observers,
+                            cancelled, truth] = o;
     EXPECT_KNOBS(o, time_limit, lost_limit, return_when_done);
   }
   {
