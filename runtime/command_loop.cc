@@ -122,6 +122,7 @@ void CommandLoop::drive(const CommandInputs& in, const Pose& pose, CommandStep& 
   asked.hold = options_.hold;
   asked.share = share_;
   asked.pose = pose;
+  asked.following_watched = true;
   const GuardVerdict verdict = guard_.check(*current_, asked, previous_, *in.belief, in.now);
   step.command = verdict.command;
   step.guard = verdict.reason;

@@ -53,6 +53,9 @@ struct TimedCommand {
   /// Where the robot is when the command begins to act, as predicted from the newest belief; none:
   /// it does not pass.
   std::optional<Pose> pose{};
+  /// The caller judges over time whether the base follows (runtime/command_following.h): one
+  /// measured velocity that the command in force does not lead to decides nothing here.
+  bool following_watched = false;
 };
 
 /// What the motors get.

@@ -173,14 +173,14 @@ TEST_F(StereoRecording, EurocLayout) {
 TEST_F(StereoRecording, SaysWhatIsMissingOrMalformed) {
   EXPECT_THAT(refusal(), HasSubstr("no such folder"));
   fs::create_directories(folder_);
-  EXPECT_THAT(refusal(),
-              HasSubstr("image_00/data and calib_cam_to_cam.txt (KITTI raw); mav0/cam0"));
+  EXPECT_THAT(refusal(), HasSubstr("image_00/data and calib_cam_to_cam.txt (KITTI raw), "
+                                   "image_00/data_rect (KITTI-360); mav0/cam0"));
   write("rgb.txt", "");
   EXPECT_THAT(refusal(), HasSubstr("one camera and depth, for `prospect map`"));
 
   kitti();
   write("times.txt", "0\n0.1\n");
-  EXPECT_THAT(refusal(), HasSubstr("holds 2 times"));
+  EXPECT_THAT(refusal(), HasSubstr("holds 2 lines for 6 images"));
   write("times.txt", "0\n0.1\nx\n");
   EXPECT_THAT(refusal(), HasSubstr("times.txt:3: not an increasing time"));
   std::string nanoseconds;
@@ -258,7 +258,11 @@ TEST_F(StereoRecording, RefusesExchangedAndShiftedImages) {
     test::write_image(folder_ + name, Image(200, 150, 90));
   }
   EXPECT_THAT(refusal(), HasSubstr("has 200 x 150 pixels, the left image 400 x 300"));
-  write("image_1/000000.png", "no image");
+  for (int k = 0; k < kFrames; ++k) {
+    char name[64];
+    std::snprintf(name, sizeof name, "image_1/%06d.png", k);
+    write(name, "no image");
+  }
   EXPECT_THAT(refusal(), HasSubstr("cannot be decoded"));
 }
 
