@@ -109,6 +109,10 @@ function(prospect_flags target)
     endif()
     # No sanitizer here sees a value that nobody has set. Eigen's own are not a number until somebody does.
     target_compile_definitions(${target} PRIVATE EIGEN_INITIALIZE_MATRICES_BY_NAN)
+    # Under AddressSanitizer Eigen aligns by hand what it allocates: other memory than objects of a release expect.
+    if(PROSPECT_TEST_OBJECTS)
+      target_compile_definitions(${target} PRIVATE EIGEN_MALLOC_ALREADY_ALIGNED=1)
+    endif()
     target_link_options(${target} PUBLIC -fsanitize=${PROSPECT_SANITIZE})
   endif()
 endfunction()
