@@ -608,7 +608,7 @@ void describe(Knobs& knobs, FrontierPlannerOptions& o) {
   knobs.number("observation_time", o.observation_time, {0.0, 1e3}, "s",
                "of an observation, beside the path to it");
   knobs.number("observation_length", o.observation_length, {0.0, 1e3}, "m",
-               "of travel that a look counts as where features are few");
+               "of travel that an observation counts as where features are few");
   knobs.number("reconsider", o.reconsider, {0.01, 1e7}, "s",
                "between two questions whether another target is better");
   knobs.number("commitment", o.commitment, {0.0, 100.0}, "1",

@@ -107,8 +107,8 @@ struct GlobalPlan {
 /// (frontier_utility.h). It is a candidate if E_c >= least_area, a path leads to one of its
 /// viewpoints, and the path is worth it,
 ///
-///     E_c / (w_c / v_max + observation_time) >= least_rate,    w_c = way + turn_price |turn at its
-///     start|
+///     E_c / (w_c / v_max + observation_time) >= least_rate,    w_c = path + turn_price |turn at
+///     its start|
 ///
 /// The target is the first of the best sequence of candidates (frontier_order.h), if its beginning
 /// is worth its path, else of those that are each; and remains so until

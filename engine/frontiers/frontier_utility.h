@@ -51,7 +51,8 @@ void describe(Knobs& knobs, FrontierUtilityOptions& options);
 /// a wall and a hole that noise left in it promise next to nothing, however long they are.
 ///
 /// tau_c in (0, 1] is the confidence in cell c, 1 at first:
-///   * in view of a look from a distance d and unknown all the same: times failed_observation^w,
+///   * in view of an observation from a distance d and unknown all the same: times
+///   failed_observation^w,
 ///     w = min(1, 2 - 2 d / r_max): beyond half the range an observation tells less of the cell. It
 ///     tells that the cell is not seen from there: the next one must be from max(nearest, nearer
 ///     d);

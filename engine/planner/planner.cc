@@ -131,12 +131,6 @@ std::string unusable(const Belief& belief) {
   return "";
 }
 
-/// How far obstacles are, about the robot.
-struct Distances {
-  std::shared_ptr<const ClearanceField> occupied{}, known{};
-  std::shared_ptr<const BodyClearance> body{}, known_body{};
-};
-
 /// What the robot did since frontiers were last looked at, over several steps.
 FrontierActivity over_both(const FrontierActivity& before, FrontierActivity now) {
   now.pursued = now.pursued && before.pursued;
@@ -336,7 +330,7 @@ struct Planner::Impl {
   // works on.
   Resumed<std::shared_ptr<const StepLandmarks>> landmark_work;
   Resumed<WholeMap> map_work;
-  Resumed<Distances> clearance_work;
+  Resumed<ClearanceEvaluators> clearance_work;
 };
 
 void Planner::Impl::prepare(const Belief& given) {
@@ -574,25 +568,18 @@ void Planner::Impl::specify(const Belief& belief, ModeKind mode, const StepLandm
 }
 
 bool Planner::Impl::take_clearance(const StepTime& time, StepInTheMaking& making) {
-  CachedEvaluators& now = making.evaluators;
+  ClearanceEvaluators& now = making.evaluators;
   const bool has_earlier = clearance_work.newest().has_value();
-  if (const auto& last = clearance_work.newest(); last && now.occupied == nullptr) {
-    now.occupied = last->occupied;
-    now.known = last->known;
-  }
+  if (has_earlier && now.occupied == nullptr) now = *clearance_work.newest();
   clearance_work.update(
       [specification = making.specification, before = now](const PausePoint& pause) {
-        CachedEvaluators made = before;
+        ClearanceEvaluators made = before;
         update_clearance(*specification, made, pause);
-        return Distances{made.occupied, made.known, made.body, made.known_body};
+        return made;
       },
       time.clearance(has_earlier));
   if (!clearance_work.newest() || (!has_earlier && !time.suffices())) return false;
-  const Distances& newest = *clearance_work.newest();
-  now.occupied = newest.occupied;
-  now.known = newest.known;
-  now.body = newest.body;
-  now.known_body = newest.known_body;
+  now = *clearance_work.newest();
   return true;
 }
 

@@ -70,7 +70,7 @@ std::vector<Eigen::Vector3d> positions(const std::vector<Landmark>& landmarks) {
   return points;
 }
 
-void update_clearance(const ProblemSpecification& specification, CachedEvaluators& evaluators,
+void update_clearance(const ProblemSpecification& specification, ClearanceEvaluators& evaluators,
                       const PausePoint& pause) {
   require(specification.voxels != nullptr, "voxels");
   require(specification.ground != nullptr, "ground map");

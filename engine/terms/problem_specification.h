@@ -90,13 +90,17 @@ struct ProblemSpecification {
 /// Where landmarks are [m].
 std::vector<Eigen::Vector3d> positions(const std::vector<Landmark>& landmarks);
 
-/// What a problem is put together from. Handed on to the next step, where what has not changed need
-/// not be computed again; the result has the same bits either way.
-struct CachedEvaluators {
+/// Distances to obstacles, of CachedEvaluators.
+struct ClearanceEvaluators {
   std::shared_ptr<const ClearanceField> occupied;
   std::shared_ptr<const ClearanceField> known;      ///< null if the policy asks for none
   std::shared_ptr<const BodyClearance> body;        ///< of the robot in `occupied`
   std::shared_ptr<const BodyClearance> known_body;  ///< of the robot in `known`; null without it
+};
+
+/// What a problem is put together from. Handed on to the next step, where what has not changed need
+/// not be computed again; the result has the same bits either way.
+struct CachedEvaluators : ClearanceEvaluators {
   std::shared_ptr<const OcclusionTable> landmark_table, target_table;
   std::shared_ptr<const VisibilityPrediction> prediction;
   std::shared_ptr<const ExplorationGain> gain;
@@ -107,7 +111,7 @@ struct CachedEvaluators {
 /// The steps to a Problem, in this order, each on the evaluators of the one before (and,
 /// where there are any, of the problem before). All throw std::invalid_argument naming the entry,
 /// its value and what was expected.
-void update_clearance(const ProblemSpecification& specification, CachedEvaluators& evaluators,
+void update_clearance(const ProblemSpecification& specification, ClearanceEvaluators& evaluators,
                       const PausePoint& pause = {});
 void update_views(const ProblemSpecification& specification, CachedEvaluators& evaluators);
 void update_added_terms(const ProblemSpecification& specification, CachedEvaluators& evaluators);
