@@ -17,7 +17,7 @@
 #include "adapters/robots/simulator/simulator.h"
 #include "engine/planner/planner.h"
 #include "engine/planner/planner_guard.h"
-#include "runtime/real_time_driver.h"
+#include "runtime/driver.h"
 #include "solvers/registry.h"
 
 namespace prospect {
@@ -47,7 +47,7 @@ class Watched final : public BeliefSource {
     begun_ = true;
     std::shared_ptr<const Belief> belief = beliefs_.update(stop);
     const double time = clock_.now() - kStart;
-    RealTimeDriver* driver = driver_;
+    Driver* driver = driver_;
     if (!driver || (!samples_.empty() && time <= samples_.back().time)) return belief;
     const DriverStatus status = driver->status();
     Sample sample;
@@ -69,13 +69,13 @@ class Watched final : public BeliefSource {
     samples_.push_back(sample);
     const double end = one_.fault.from + one_.fault.duration;
     if (status.mode.mode == DriveMode::kStopped && time > end + one_.patience) {
-      driver->acknowledge();
+      driver->requests().acknowledge();
       acknowledged_ = true;
     }
     return belief;
   }
 
-  void look_at(RealTimeDriver& driver) { driver_ = &driver; }
+  void look_at(Driver& driver) { driver_ = &driver; }
   const std::vector<Sample>& samples() const { return samples_; }
   bool acknowledged() const { return acknowledged_; }
 
@@ -90,7 +90,7 @@ class Watched final : public BeliefSource {
   BeliefSource& beliefs_;
   const SimulatedClock& clock_;
   const FaultCase one_;
-  std::atomic<RealTimeDriver*> driver_{nullptr};
+  std::atomic<Driver*> driver_{nullptr};
   std::vector<Sample> samples_;
   double yaw_ = 0.0;
   bool begun_ = false, acknowledged_ = false;
@@ -159,21 +159,17 @@ FaultOutcome drive_with_fault(const std::shared_ptr<const World>& world,
   FaultyReplanner faulty(planner, *configuration.robot.model, clock, faults, kStart);
   FaultyDisk disk(clock, faults, kStart);
   const Guard guard = guard_for(configuration.robot, configuration.planner, configuration.guard);
-  RealTimeDriver driver({.clock = clock,
-                         .base = faulty_base,
-                         .beliefs = watched,
-                         .planner = faulty,
-                         .guard = guard,
-                         .model = configuration.robot.model,
-                         .inbox = &inbox,
-                         .failed_preflight = "",
-                         .yaw_checked = true},
-                        RealTimeOptions());
-  watched.look_at(driver);
   MissionOptions mission = configuration.mission;
   mission.time_limit = one.length;
   mission.observers = {&disk};
-  driver.run(mission);
+  Driver driver({.clock = clock,
+                 .guard = guard,
+                 .model = configuration.robot.model,
+                 .dead_man = faulty_base.dead_man(),
+                 .inbox = &inbox},
+                faulty, PreflightResult{.checks = {}, .yaw_checked = true}, {}, mission);
+  watched.look_at(driver);
+  driver.run(faulty_base, watched);
 
   FaultOutcome outcome;
   judge(watched.samples(), one, outcome);

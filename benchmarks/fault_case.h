@@ -45,7 +45,7 @@ struct FaultOutcome {
 Configuration fault_drive_configuration(const std::string& world);
 
 /// Drives the simulated robot in real time's way, by threads, on a SimulatedClock, with the
-/// configured planner. Deterministic. Throws as Simulator and RealTimeDriver do.
+/// configured planner. Deterministic. Throws as Simulator and Driver do.
 FaultOutcome drive_with_fault(const std::shared_ptr<const World>& world,
                               const Configuration& configuration, const FaultCase& one);
 

@@ -2,7 +2,7 @@
 
 #include "runtime/preflight_run.h"
 #include "runtime/range_stop.h"
-#include "runtime/real_time_driver.h"
+#include "runtime/driver.h"
 #include "runtime/sensor_inbox.h"
 
 namespace prospect {
@@ -11,7 +11,7 @@ class Knobs;
 
 /// All that a robot is driven by in real time, whatever its base, but for what it perceives by.
 struct DriveOptions {
-  RealTimeOptions driver;
+  DriverOptions driver;
   PreflightRunOptions preflight;
   SensorInboxOptions inbox;
   RangeStopOptions ranges;  ///< the independent look

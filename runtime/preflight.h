@@ -131,6 +131,12 @@ std::vector<CheckResult> checks_of_distance(const ShortMotion& way,
 /// Name of the first check that failed; empty: none did, the robot may drive.
 std::string first_failed(const std::vector<CheckResult>& results);
 
+/// What came of the checks before the first motion.
+struct PreflightResult {
+  std::vector<CheckResult> checks;  ///< of preflight_run.h: all of these, in its order
+  bool yaw_checked = false;         ///< the turn was made, and measured by wheels or cameras
+};
+
 /// One line a check: name, verdict, why; in columns.
 std::string to_text(const std::vector<CheckResult>& results);
 

@@ -64,26 +64,33 @@ std::optional<Plan> plan_of(const MotionModel& model, const Pose& pose, double s
 
 class Run {
  public:
-  Run(const PreflightParts& parts, const PreflightRunOptions& options,
-      const CommandLoopOptions& command, const std::function<bool()>& cancelled)
-      : parts_(parts), options_(options), command_(command), cancelled_(cancelled) {}
+  Run(const DriverParts& parts, Base& base, BeliefSource& beliefs,
+      const PreflightRunOptions& options, const DriverOptions& driver,
+      const PreflightInputs& inputs)
+      : parts_(parts),
+        base_(base),
+        beliefs_(beliefs),
+        options_(options),
+        driver_(driver),
+        command_(driver.command),
+        inputs_(inputs) {}
 
   PreflightResult make() {
     const std::jthread perceives([this](const std::stop_token& stop) {
       while (!stop.stop_requested()) {
-        if (auto newest = parts_.beliefs.update(stop)) {
+        if (auto newest = beliefs_.update(stop)) {
           const std::lock_guard lock(mutex_);
           belief_ = std::move(newest);
         }
       }
     });
     PreflightResult result;
-    PreflightFacts facts = parts_.known;
+    PreflightFacts facts = inputs_.known;
     watch(facts);
-    if (parts_.floor) facts.floor = parts_.floor();
-    facts.dead_man = parts_.base.dead_man();
+    if (inputs_.floor) facts.floor = inputs_.floor();
+    facts.dead_man = base_.dead_man();
     facts.command_period = command_.period;
-    const BaseLimits limits = parts_.base.limits();
+    const BaseLimits limits = base_.limits();
     facts.speed = {limits.speed, parts_.model->max_speed()};
     facts.yaw_rate = {limits.yaw_rate, parts_.model->max_yaw_rate()};
     facts.deceleration = {limits.acceleration, parts_.model->max_deceleration()};
@@ -103,7 +110,7 @@ class Run {
     if (is_cancelled()) {
       result.checks.push_back({"checks", CheckVerdict::kFailed, "they were cancelled"});
     }
-    parts_.base.stop();
+    base_.stop();
     return result;
   }
 
@@ -127,7 +134,7 @@ class Run {
       result.checks.push_back(std::move(check));
     }
   }
-  bool is_cancelled() const { return cancelled_ && cancelled_(); }
+  bool is_cancelled() const { return inputs_.cancelled && inputs_.cancelled(); }
   std::shared_ptr<const Belief> newest() {
     const std::lock_guard lock(mutex_);
     return belief_;
@@ -135,7 +142,7 @@ class Run {
 
   /// What the base has measured since the call before goes to the inbox.
   BaseReport report() {
-    BaseReport report = parts_.base.report();
+    BaseReport report = base_.report();
     if (parts_.inbox) {
       for (const WheelSample& sample : report.wheels) parts_.inbox->wheels(sample);
     }
@@ -161,7 +168,7 @@ class Run {
       const bool ready =
           located && watch.live_for(options_.checks.live_time) && !is_stopped(facts.emergency_stop);
       if (ready || now >= end || is_cancelled()) break;
-      parts_.base.send({}, now + command_.hold);
+      base_.send({}, now + command_.hold);
       wait();
     }
     facts.streams = watch.streams();
@@ -200,7 +207,7 @@ class Run {
     const double end =
         plan->stamp + plan->dt * static_cast<double>(plan->commands.size() + plan->tail.size());
     CommandLoop loop(parts_.model, parts_.guard, command_);
-    CommandFollowing following(parts_.following, command_.delay);
+    CommandFollowing following(driver_.following, command_.delay);
     std::string hindered;
     double wheels = 0.0, stamp = 0.0, last = parts_.clock.now();
     Twist in_force;
@@ -223,7 +230,7 @@ class Run {
       const std::shared_ptr<const Belief> seen = newest();
       departure_ = following.look(now, told, seen.get());
       if (departure_) {
-        parts_.base.stop();
+        base_.stop();
         return "the base does not follow what it is told";
       }
       const RangeCheck look = parts_.ranges ? parts_.ranges(in_force, now) : RangeCheck();
@@ -232,9 +239,9 @@ class Run {
       in_force = step.command;
       following.told({now, step.expires, step.command, step.stop});
       if (step.stop) {
-        parts_.base.stop();
+        base_.stop();
       } else {
-        parts_.base.send(step.command, step.expires);
+        base_.send(step.command, step.expires);
       }
       if (hindered.empty() && !step.detail.empty()) {
         hindered = look.obstacle.empty() ? step.detail : look.obstacle;
@@ -253,10 +260,13 @@ class Run {
     return hindered;
   }
 
-  const PreflightParts& parts_;
+  const DriverParts& parts_;
+  Base& base_;
+  BeliefSource& beliefs_;
   const PreflightRunOptions& options_;
+  const DriverOptions& driver_;
   const CommandLoopOptions& command_;
-  const std::function<bool()>& cancelled_;
+  const PreflightInputs& inputs_;
   std::mutex mutex_;
   std::shared_ptr<const Belief> belief_;
   std::optional<Departure> departure_;  // that ended a motion
@@ -264,13 +274,13 @@ class Run {
 
 }  // namespace
 
-PreflightResult run_preflight(const PreflightParts& parts, const PreflightRunOptions& options,
-                              const CommandLoopOptions& command,
-                              const std::function<bool()>& cancelled) {
+PreflightResult run_preflight(const DriverParts& parts, Base& base, BeliefSource& beliefs,
+                              const PreflightRunOptions& options, const DriverOptions& driver,
+                              const PreflightInputs& inputs) {
   check_knobs("preflight", options);
-  check_knobs("command loop", command);
+  check_knobs("driver", driver);
   if (!parts.model) throw std::invalid_argument("preflight: no motion model; expected one");
-  return Run(parts, options, command, cancelled).make();
+  return Run(parts, base, beliefs, options, driver, inputs).make();
 }
 
 }  // namespace prospect

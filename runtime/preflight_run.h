@@ -1,23 +1,12 @@
 #pragma once
 
 #include <functional>
-#include <memory>
 #include <optional>
-#include <vector>
 
-#include "engine/maps/belief.h"
-#include "engine/safety/guard.h"
-#include "models/motion_model.h"
 #include "runtime/base.h"
 #include "runtime/belief_source.h"
-#include "runtime/clock.h"
-#include "runtime/command_following.h"
-#include "runtime/command_loop.h"
-#include "runtime/drive_requests.h"
+#include "runtime/driver.h"
 #include "runtime/preflight.h"
-#include "runtime/range_check.h"
-#include "runtime/sensor_inbox.h"
-#include "runtime/watched_stream.h"
 
 namespace prospect {
 
@@ -35,31 +24,14 @@ struct PreflightRunOptions {
 /// The knobs (models/knobs.h).
 void describe(Knobs& knobs, PreflightRunOptions& options);
 
-/// What is checked; all of it outlives the checks.
-struct PreflightParts {
-  const Clock& clock;
-  Base& base;
-  BeliefSource& beliefs;
-  const Guard& guard;
-  std::shared_ptr<const MotionModel> model;
-  SensorInbox* inbox = nullptr;  ///< gets the wheel motion that the base reports
-  /// As of RobotParts.
-  std::function<RangeCheck(const Twist&, double)> ranges{};
-  std::vector<WatchedStream> streams{};
+/// What the checks know besides.
+struct PreflightInputs {
   /// What is known beforehand: heights of the body, resolution, and what else no stream tells.
   PreflightFacts known{};
   /// Asked once the streams are live; empty: nothing sees the floor.
   std::function<std::optional<PreflightFacts::Floor>()> floor{};
-  /// What people ask of it; null: nobody. Who has it stand or stop has it not move.
-  const DriveRequests* requests = nullptr;
-  /// As of RobotParts. It is waited for like a stream.
-  const EmergencyStopInput* emergency_stop = nullptr;
-  CommandFollowingOptions following{};  ///< as of the driver
-};
-
-struct PreflightResult {
-  std::vector<CheckResult> checks;  ///< all of preflight.h, in its order
-  bool yaw_checked = false;         ///< the turn was made, and measured by wheels or cameras
+  /// Asked at each period; the base is stopped, and what was not made has failed. Empty: nobody.
+  std::function<bool()> cancelled{};
 };
 
 /// Makes the checks of preflight.h on a robot: it stands until its streams have been live for
@@ -69,16 +41,17 @@ struct PreflightResult {
 /// is its wheels, the pose of the belief the cameras.
 ///
 /// Both motions go through a CommandLoop: they ramp within the model's rates, and the guard must
-/// pass each of their commands on the newest map, as must `ranges`. If they do not, a model that
+/// pass each of their commands on the newest map, as must `ranges`. Who has the robot stand or stop
+/// by `requests` or the emergency stop has it not move. If they do not, a model that
 /// cannot turn on the spot, or a belief that is lost, the checks of the motion are not possible and
 /// say why. Nothing is left out. A base that does not follow meanwhile (CommandFollowing) is
 /// stopped at once: a check "following" has failed.
 ///
-/// A thread of its own asks for beliefs meanwhile. cancelled: asked at each period; the base is
-/// stopped, and what was not made has failed. Errors: throws std::invalid_argument on options out
-/// of range, before anything else.
-PreflightResult run_preflight(const PreflightParts& parts, const PreflightRunOptions& options,
-                              const CommandLoopOptions& command,
-                              const std::function<bool()>& cancelled = {});
+/// A thread of its own asks for beliefs meanwhile. driver: how commands are sent and whether the
+/// base follows. Errors: throws std::invalid_argument on options out of range and without a model,
+/// before anything else.
+PreflightResult run_preflight(const DriverParts& parts, Base& base, BeliefSource& beliefs,
+                              const PreflightRunOptions& options, const DriverOptions& driver,
+                              const PreflightInputs& inputs = {});
 
 }  // namespace prospect

@@ -61,23 +61,22 @@ class PreflightRun : public ::testing::Test {
     options_.distance = 0.03;
     options_.speed = 0.3;
     options_.settle = 0.1;
-    command_.period = 0.02;
+    driver_.command.period = 0.02;
   }
   PreflightResult make() {
-    PreflightParts parts{.clock = clock_,
-                         .base = base_,
-                         .beliefs = beliefs_,
-                         .guard = guard_,
-                         .model = model_,
-                         .ranges = ranges_,
-                         .streams = {{"cameras", 0.5,
-                                      [](const Belief* newest) {
-                                        return newest ? std::optional(newest->stamps.pose)
-                                                      : std::nullopt;
-                                      }}},
-                         .requests = requests_,
-                         .emergency_stop = button_};
-    return run_preflight(parts, options_, command_, cancelled_);
+    const DriverParts parts{.clock = clock_,
+                            .guard = guard_,
+                            .model = model_,
+                            .dead_man = base_.dead_man(),
+                            .ranges = ranges_,
+                            .emergency_stop = button_,
+                            .streams = {{"cameras", 0.5,
+                                         [](const Belief* newest) {
+                                           return newest ? std::optional(newest->stamps.pose)
+                                                         : std::nullopt;
+                                         }}},
+                            .requests = requests_};
+    return run_preflight(parts, base_, beliefs_, options_, driver_, {.cancelled = cancelled_});
   }
   static CheckResult check(const PreflightResult& result, const std::string& name) {
     for (const CheckResult& c : result.checks) {
@@ -94,10 +93,10 @@ class PreflightRun : public ::testing::Test {
   Guard guard_ = test::patient_guard(model_);
   std::function<RangeCheck(const Twist&, double)> ranges_;
   std::function<bool()> cancelled_;
-  const DriveRequests* requests_ = nullptr;
+  DriveRequests* requests_ = nullptr;
   const EmergencyStopInput* button_ = nullptr;
   PreflightRunOptions options_;
-  CommandLoopOptions command_;
+  DriverOptions driver_;
 };
 
 TEST_F(PreflightRun, TurnsAndCompares) {
@@ -191,7 +190,7 @@ TEST_F(PreflightRun, WhoeverHoldsOrStopsItKeepsItFromTurning) {
   DriveRequests held, stopped;
   held.hold();
   stopped.emergency_stop();
-  for (const DriveRequests* requests : {&held, &stopped}) {
+  for (DriveRequests* requests : {&held, &stopped}) {
     requests_ = requests;
     const PreflightResult result = make();
     EXPECT_FALSE(result.yaw_checked);

@@ -5,8 +5,8 @@
 
 #include "adapters/formats/datasets/mission_topics.h"
 #include "adapters/missions/run/summary.h"
+#include "runtime/driver.h"
 #include "runtime/health_report.h"
-#include "runtime/real_time_driver.h"
 
 namespace prospect {
 namespace {

@@ -20,7 +20,7 @@
 #include "perception/mapping/depth_image.h"
 #include "perception/mapping/occupancy_mapper.h"
 #include "runtime/event_log.h"
-#include "runtime/real_time_driver.h"
+#include "runtime/driver.h"
 
 namespace prospect {
 

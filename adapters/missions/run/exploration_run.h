@@ -20,10 +20,10 @@
 #include "engine/safety/guard.h"
 #include "models/types.h"
 #include "runtime/drive_requests.h"
+#include "runtime/driver.h"
 #include "runtime/event_log.h"
 #include "runtime/health_report.h"
 #include "runtime/preflight.h"
-#include "runtime/real_time_driver.h"
 
 namespace octomap {
 class OcTree;
@@ -33,7 +33,7 @@ namespace prospect {
 
 class SolverRegistry;
 
-/// A mission in real time, by threads, instead of in lockstep (real_time_driver.h), driven by
+/// A mission in real time, by threads, instead of in lockstep (driver.h), driven by
 /// Configuration::drive.
 struct RealTimeRun {
   std::vector<InjectedFault> faults;  ///< of the robot, of the simulator or Gazebo

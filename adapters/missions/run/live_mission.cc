@@ -19,10 +19,10 @@
 #include "models/formatted.h"
 #include "models/reason.h"
 #include "perception/pipeline/perception_pipeline.h"
+#include "runtime/driver.h"
 #include "runtime/preflight_run.h"
 #include "runtime/range_check.h"
 #include "runtime/range_stop.h"
-#include "runtime/real_time_driver.h"
 #include "runtime/seen_floor.h"
 #include "solvers/registry.h"
 
@@ -83,49 +83,19 @@ struct OwnPerception {
   PipelineBeliefs beliefs;
 };
 
-/// Checks, and drives if none has failed.
-MissionResult check_and_drive(RobotParts parts,
-                              const std::function<std::optional<PreflightFacts::Floor>()>& floor,
-                              const Configuration& c, const MissionOptions& mission,
-                              ExplorationRunResult& result) {
-  PreflightFacts known;
-  known.body = c.robot.slice();
-  known.resolution = c.perception.mapping.resolution;
-  parts.beliefs.watched_by(mission.observers);
-  const PreflightParts checked{.clock = parts.clock,
-                               .base = parts.base,
-                               .beliefs = parts.beliefs,
-                               .guard = parts.guard,
-                               .model = parts.model,
-                               .inbox = parts.inbox,
-                               .ranges = parts.ranges,
-                               .streams = parts.streams,
-                               .known = known,
-                               .floor = floor,
-                               .requests = parts.requests,
-                               .emergency_stop = parts.emergency_stop,
-                               .following = c.drive.driver.following};
-  const PreflightResult preflight =
-      run_preflight(checked, c.drive.preflight, c.drive.driver.command, mission.cancelled);
-  result.preflight = parts.preflight = preflight.checks;
-  parts.failed_preflight = first_failed(preflight.checks);
-  parts.yaw_checked = preflight.yaw_checked;
-  RealTimeDriver driver(parts, c.drive.driver);
+/// Drives if no check has failed.
+MissionResult drive_if_fit(Driver& driver, const std::vector<CheckResult>& checks,
+                           const Robot& robot, BeliefSource& beliefs,
+                           const std::function<bool()>& cancelled) {
+  const std::string failed = first_failed(checks);
+  if (failed.empty()) return driver.run(*robot.base, beliefs);
   MissionResult end;
-  if (parts.failed_preflight.empty()) {
-    end = driver.run(mission);
-  } else {
-    end.end =
-        mission.cancelled && mission.cancelled() ? MissionEnd::kCancelled : MissionEnd::kNotFit;
-    for (const CheckResult& check : preflight.checks) {
-      if (check.check == parts.failed_preflight) {
-        end.detail = "before the first motion: " + check.check + ": " + check.why;
-      }
+  end.end = cancelled && cancelled() ? MissionEnd::kCancelled : MissionEnd::kNotFit;
+  for (const CheckResult& check : checks) {
+    if (check.check == failed) {
+      end.detail = "before the first motion: " + check.check + ": " + check.why;
     }
   }
-  result.driver = driver.status();
-  result.health = driver.health();
-  result.events = driver.events().since(0).events;
   return end;
 }
 
@@ -164,25 +134,34 @@ ExplorationRunResult live_mission(const Robot& robot, const Configuration& c,
   mission.observers.insert(mission.observers.end(), robot.observers.begin(), robot.observers.end());
   start_records(recorder, c, options, mission);
 
-  const RobotParts parts{.clock = *robot.clock,
-                         .base = *robot.base,
-                         .beliefs = beliefs,
-                         .planner = faulty_planner,
-                         .guard = guard,
-                         .model = c.robot.model,
-                         .inbox = robot.frames.get(),
-                         .ranges = range_check(*robot.frames, stop, looking),
-                         .emergency_stop = robot.emergency_stop,
-                         .streams = streams_of(robot, limits),
-                         .requests = options.requests};
-  std::function<std::optional<PreflightFacts::Floor>()> floor;
+  const DriverParts parts{.clock = *robot.clock,
+                          .guard = guard,
+                          .model = c.robot.model,
+                          .dead_man = robot.base->dead_man(),
+                          .inbox = robot.frames.get(),
+                          .ranges = range_check(*robot.frames, stop, looking),
+                          .emergency_stop = robot.emergency_stop,
+                          .streams = streams_of(robot, limits),
+                          .requests = options.requests};
+  PreflightInputs inputs;
+  inputs.known.body = c.robot.slice();
+  inputs.known.resolution = c.perception.mapping.resolution;
+  inputs.cancelled = mission.cancelled;
   if (depth) {
-    floor = [&] { return floor_in(*robot.frames, looking, c.robot.base_height()); };
+    inputs.floor = [&] { return floor_in(*robot.frames, looking, c.robot.base_height()); };
   }
   const SteadyClock machine;
   const double begun = robot.clock->now(), begun_by_machine = machine.now();
+  beliefs.watched_by(mission.observers);
+  const PreflightResult checked =
+      run_preflight(parts, *robot.base, beliefs, c.drive.preflight, c.drive.driver, inputs);
+  Driver driver(parts, faulty_planner, checked, c.drive.driver, mission);
+  const MissionResult end = drive_if_fit(driver, checked.checks, robot, beliefs, mission.cancelled);
   ExplorationRunResult result;
-  const MissionResult end = check_and_drive(parts, floor, c, mission, result);
+  result.preflight = checked.checks;
+  result.driver = driver.status();
+  result.health = driver.health();
+  result.events = driver.events().since(0).events;
   if (robot.simulated_time) {
     if (!faults.empty()) result.faults_start = robot.made;
     result.real_time_factor = (robot.clock->now() - begun) / (machine.now() - begun_by_machine);

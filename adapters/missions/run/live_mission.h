@@ -15,13 +15,13 @@ namespace prospect {
 class RunRecorder;
 
 /// A mission in real time on a robot, whatever its adapter: perception of its own unless the robot
-/// has one, planner, guard, range stop, pre-flight (run_preflight()), a RealTimeDriver, and the
+/// has one, planner, guard, range stop, pre-flight (run_preflight()), a Driver, and the
 /// records. `configuration` is the one in effect; limits those of the guard; reachable null: nobody
 /// knows it. A robot that fails a check does not move: the mission ends as MissionEnd::kNotFit, and
 /// says which check.
 ///
 /// Throws what the constructors throw, before ExplorationRunOptions::observers is asked, and what
-/// RealTimeDriver::run() does.
+/// Driver::run() does.
 ExplorationRunResult live_mission(const Robot& robot, const Configuration& configuration,
                                   const Guard::Options& limits, const ReachableArea* reachable,
                                   const ExplorationRunOptions& options);

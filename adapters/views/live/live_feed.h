@@ -14,7 +14,7 @@
 #include "runtime/camera_picture.h"
 #include "runtime/event_log.h"
 #include "runtime/health_report.h"
-#include "runtime/real_time_driver.h"
+#include "runtime/driver.h"
 
 namespace prospect {
 

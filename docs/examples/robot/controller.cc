@@ -7,8 +7,9 @@
 #include "engine/planner/planner.h"
 #include "models/unicycle.h"
 #include "pretended_lidar.h"
+#include "runtime/driver.h"
 #include "runtime/preflight_run.h"
-#include "runtime/real_time_driver.h"
+#include "runtime/range_stop.h"
 #include "solvers/registry.h"
 
 using namespace prospect;
@@ -108,22 +109,24 @@ int main() {
   });
 
   const RangeStop by_ranges;  // stops before what the map does not know
-  PreflightParts preflight{clock, robot, robot, guard, description.model, &inbox};
-  preflight.ranges = range_check(inbox, by_ranges, {});
-  preflight.streams = {watched(inbox, SensorStream::kScan, "lidar", 1.0)};
-  preflight.known.body = description.slice();
-  const PreflightResult checked = run_preflight(preflight, {}, {});  // and a small turn
-  RobotParts parts{clock, robot, robot, planner, guard, description.model, &inbox};
-  parts.ranges = preflight.ranges;
-  parts.failed_preflight = first_failed(checked.checks), parts.yaw_checked = checked.yaw_checked;
-  RealTimeDriver driver(parts, {});
+  const DriverParts parts{.clock = clock,
+                          .guard = guard,
+                          .model = description.model,
+                          .dead_man = robot.dead_man(),
+                          .inbox = &inbox,
+                          .ranges = range_check(inbox, by_ranges, {}),
+                          .streams = {watched(inbox, SensorStream::kScan, "lidar", 1.0)}};
+  const DriverOptions options;
+  const PreflightResult checked =  // and a small turn
+      run_preflight(parts, robot, robot, {}, options, {.known = {.body = description.slice()}});
+  Printed printed;
   MissionOptions mission{.time_limit = 20.0};
   mission.missing = [](const MissionStep& step) -> std::string {
     return step.global_plan->explored_area > 33.0 ? "" : "33 m2 were not seen";
   };
-  Printed printed;
   mission.observers = {&printed};
-  const MissionResult result = driver.run(mission);
+  Driver driver(parts, planner, checked, options, mission);
+  const MissionResult result = driver.run(robot, robot);
   std::printf("%s%s\ncapture to command: %s\n", to_text(checked.checks).c_str(),
               result.detail.c_str(), driver.status().capture_to_command.to_text().c_str());
 }

@@ -1,22 +1,18 @@
 // A robot of one's own: a 2-D lidar, a localization that needs no camera, an OctoMap that grows
-// while the robot drives, and a planner in a thread of its own.
+// while the robot drives. Prospect plans and watches behind five calls.
 #include <octomap/OcTree.h>
 
-#include <chrono>
 #include <cmath>
-#include <condition_variable>
 #include <cstdio>
 #include <limits>
 #include <memory>
-#include <mutex>
-#include <optional>
 #include <thread>
 
 #include "engine/maps/map_projection.h"
 #include "engine/planner/planner.h"
-#include "engine/safety/guard.h"
 #include "models/make_model.h"
 #include "pretend_robot.h"
+#include "runtime/driver.h"
 #include "solvers/registry.h"
 
 prospect::RobotDescription my_robot() {
@@ -54,89 +50,29 @@ void add_scan(const std::vector<double>& ranges, const prospect::Pose& pose,
   tree.insertPointCloud(points, origin, robot.depth.max_range);
 }
 
-// What the planner is to know: the pose, the command in force, and the maps, made from a copy of
-// the tree, so that the tree may grow while the planner works.
-prospect::Belief belief_at(double stamp, const prospect::Pose& pose, const prospect::Twist& command,
-                           const prospect::RobotDescription& robot, const octomap::OcTree& tree) {
-  prospect::Belief belief;
-  belief.localization_source = prospect::LocalizationSource::kExternal;  // features cost nothing
-  belief.set_stamps(stamp);
-  belief.pose = pose;
-  belief.twist = command;
-  belief.command = command;
+// What is known: the pose, the velocity, and the maps, made from a copy of the tree, so that the
+// tree may grow while the planner works.
+std::shared_ptr<const prospect::Belief> belief_at(double stamp, const PretendRobot& base,
+                                                  const prospect::RobotDescription& robot,
+                                                  const octomap::OcTree& tree) {
+  auto belief = std::make_shared<prospect::Belief>();
+  belief->localization_source = prospect::LocalizationSource::kExternal;  // features cost nothing
+  belief->set_stamps(stamp);
+  belief->pose = base.pose();
+  belief->twist = base.velocity();
   const double top = robot.slice().z_max + 0.1;
   const prospect::BeliefMaps maps =
       prospect::belief_maps(std::make_shared<octomap::OcTree>(tree), height_slice(robot), 0.0, top);
-  belief.octree = maps.octree, belief.voxels = maps.voxels, belief.ground = maps.ground;
+  belief->octree = maps.octree, belief->voxels = maps.voxels, belief->ground = maps.ground;
   return belief;
 }
 
-// The belief that will hold once `command` has been driven for `duration`: where the next plan
-// begins. So the time that planning takes is no delay.
-prospect::Belief ahead(prospect::Belief belief, const prospect::Twist& command, double duration,
-                       const prospect::MotionModel& model) {
-  Eigen::VectorXd next(model.nx());
-  model.step(model.state(belief.pose, command), model.input(command), duration, next);
-  belief.pose = model.pose(next);
-  belief.twist = command;
-  belief.command = command;
-  belief.set_stamps(belief.stamp + duration);
-  return belief;
-}
-
-// Plans in a thread of its own: takes the newest belief that it was given, leaves the newest plan.
-class PlannerThread {
- public:
-  struct Planned {
-    prospect::Plan plan;
-    double known = 0.0;  // ground that the planner knows of [m2]
-  };
-
-  explicit PlannerThread(prospect::Planner& planner)
-      : planner_(planner), thread_([this] { run(); }) {}
-  ~PlannerThread() {
-    {
-      const std::lock_guard lock(mutex_);
-      over_ = true;
-    }
-    wake_.notify_one();
-    thread_.join();
+// Whoever watches the mission: on the planner's thread, after each step.
+class Printed final : public prospect::MissionObserver {
+  void on_step(const prospect::MissionStep& step) override {
+    std::printf("%5.2f s: knows %.1f m2; %s\n", step.time, step.global_plan->explored_area,
+                step.plan->why.c_str());
   }
-  void ask(prospect::Belief belief) {
-    {
-      const std::lock_guard lock(mutex_);
-      asked_ = std::move(belief);
-    }
-    wake_.notify_one();
-  }
-  std::optional<Planned> newest() const {
-    const std::lock_guard lock(mutex_);
-    return planned_;
-  }
-
- private:
-  void run() {
-    std::unique_lock lock(mutex_);
-    while (true) {
-      wake_.wait(lock, [this] { return over_ || asked_; });
-      if (over_) return;
-      const prospect::Belief belief = std::move(*asked_);
-      asked_.reset();
-      lock.unlock();
-      Planned planned{planner_.plan(belief)};  // never throws
-      if (const auto made = planner_.global_plan()) planned.known = made->explored_area;
-      lock.lock();
-      planned_ = std::move(planned);
-    }
-  }
-
-  prospect::Planner& planner_;
-  mutable std::mutex mutex_;
-  std::condition_variable wake_;
-  std::optional<prospect::Belief> asked_;
-  std::optional<Planned> planned_;
-  bool over_ = false;
-  std::thread thread_;  // the last member: it begins once the others are there
 };
 
 int main() {
@@ -148,55 +84,47 @@ int main() {
   parameters.weights.visible_features = 0.0;  // no camera, so no features to keep in view
   parameters.map_resolution = 0.1;  // of the maps to come [m]: what does not fit is refused now
   prospect::Planner planner(robot, parameters, prospect::make_solver("nlopt"));
-
   prospect::Guard::Options limits;
   limits.max_landmarks_age = std::numeric_limits<double>::infinity();  // there are none
   const prospect::Guard guard = planner.make_guard(limits);
 
+  const prospect::SteadyClock clock;
   PretendRobot base;
-  octomap::OcTree tree(0.1);
-  prospect::Twist command;  // in force
-  double known = 0.0;
-  int late = 0, braked = 0;
-  bool touched = false;
-  PlannerThread planning(planner);
+  Printed printed;
+  prospect::MissionOptions mission;
+  mission.time_limit = 25.0;  // [s]
+  mission.observers = {&printed};
+  const prospect::PreflightResult checked{.checks = {}, .yaw_checked = true};  // pretended
+  prospect::Driver driver(
+      {.clock = clock, .guard = guard, .model = robot.model, .dead_man = PretendRobot::kDeadMan},
+      planner, checked, {}, mission);
 
-  for (int step = 0; step < 120; ++step) {
-    // What is.
-    const double now = base.now();
-    const prospect::Pose pose = base.pose();
-    add_scan(base.scan(pose, robot.depth.max_range), pose, robot, tree);
-    const prospect::Belief belief = belief_at(now, pose, command, robot, tree);
-
-    // What to do now. Stage k of a plan is for the time from plan.stamp + k dt on. Nothing reaches
-    // the motors unchecked; without a plan the robot stands.
-    const std::optional<PlannerThread::Planned> planned = planning.newest();
-    prospect::GuardVerdict verdict;
-    if (planned) {
-      const prospect::Plan& plan = planned->plan;
-      const int stage = static_cast<int>((now - plan.stamp) / plan.dt);
-      verdict = guard.check(plan, stage, command, belief, now);
-      known = planned->known;
-      late += stage > 0;
-      braked += !verdict.passed();
-      if (plan.mode.kind == prospect::ModeKind::kDone) break;
+  std::jthread planning([&](const std::stop_token& stop) {
+    while (driver.advance(stop)) {
     }
-    command = verdict.command;
-    base.drive(command);
-
-    // What comes next: a plan that begins when this command ends, from where the robot is then.
-    const double next = (step + 1) * parameters.dt;
-    planning.ask(ahead(belief, command, next - now, *robot.model));
-
+  });
+  octomap::OcTree tree(0.1);
+  bool touched = false;
+  const double start = clock.now();
+  for (int tick = 0; !driver.at_rest(); ++tick) {
+    if (tick % 4 == 0) {  // five times a second
+      const double now = clock.now();
+      add_scan(base.scan(base.pose(), robot.depth.max_range), base.pose(), robot, tree);
+      driver.observe(belief_at(now, base, robot, tree));
+    }
+    const prospect::CommandStep step = driver.command({true, clock.now(), base.velocity(), {}, {}});
+    base.drive(step.stop ? prospect::Twist() : step.command, step.expires);
     touched = touched || base.touches(0.2);
-    std::printf("%5.2f s (%.2f, %.2f) %.2f m/s %+.2f rad/s, %.1f m2; guard %s; %s\n", now,
-                pose.position.x(), pose.position.y(), command.linear.x(), command.yaw_rate, known,
-                to_string(verdict.reason).data(),
-                planned ? planned->plan.why.c_str() : "no plan yet");
-    std::this_thread::sleep_for(std::chrono::duration<double>(next - base.now()));
+    clock.wait_until(start + 0.05 * (tick + 1), {});
   }
-  base.drive(prospect::Twist());
-  std::printf("knows %.1f m2; late plans: %d; commands replaced by the guard: %d; %s a wall\n",
-              known, late, braked, touched ? "touched" : "did not touch");
+  planning.join();
+
+  const prospect::MissionResult result = driver.finish();
+  for (const prospect::Event& event : driver.events().since(0).events) {
+    std::printf("%s\n", to_text(event).c_str());
+  }
+  std::printf("%s late plans: %d; commands replaced by the guard: %d; %s a wall\n",
+              result.detail.c_str(), driver.status().late_plans, result.guard_stops,
+              touched ? "touched" : "did not touch");
   return touched ? 1 : 0;
 }

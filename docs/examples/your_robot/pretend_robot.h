@@ -2,31 +2,30 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <vector>
 
 #include "models/types.h"
+#include "runtime/clock.h"
 
 /// Stands for the robot: a base that drives as it is told, its localization, a 2-D lidar, and two
 /// rooms joined by a door. Replace it by your drivers. Used by one thread.
 class PretendRobot {
  public:
-  /// Seconds since the start: the clock of all stamps.
-  double now() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  }
+  static constexpr double kDeadMan = 0.3;  // [s] after which it stands if nothing comes
 
-  /// The body velocity (forward, turn) from now on.
-  void drive(const prospect::Twist& command) {
+  /// The body velocity (forward, turn) from now until `expires` [s].
+  void drive(const prospect::Twist& command, double expires) {
     pose_ = pose();
-    since_ = now();
+    since_ = clock_.now();
+    until_ = std::min(expires, since_ + kDeadMan);
     command_ = command;
   }
+  prospect::Twist velocity() const { return clock_.now() < until_ ? command_ : prospect::Twist(); }
 
   /// Where the robot is: x, y [m] in W, and heading [rad].
   prospect::Pose pose() const {
-    const double t = now() - since_;
+    const double t = std::max(0.0, std::min(clock_.now(), until_) - since_);
     const double half = 0.5 * command_.yaw_rate * t;
     const double chord = command_.linear.x() * t * (half == 0.0 ? 1.0 : std::sin(half) / half);
     prospect::Pose at = pose_;
@@ -81,8 +80,8 @@ class PretendRobot {
     });
   }
 
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-  double since_ = 0.0;
+  prospect::SteadyClock clock_;
+  double since_ = 0.0, until_ = 0.0;
   prospect::Twist command_;
   prospect::Pose pose_;
 };

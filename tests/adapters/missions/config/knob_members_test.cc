@@ -498,7 +498,7 @@ TEST(KnobMembers, EveryNumberAndSwitchOfDrivingIsAKnob) {
                  less_turn);
   }
   {
-    RealTimeOptions o;
+    DriverOptions o;
     [[maybe_unused]] auto& [command, mode, watch, following, replan_period, least_latency,
                             most_latency, perception_limit, planner_limit, command_limit] = o;
     EXPECT_KNOBS(o, command.period, mode.live_time, watch.max_silence, following.lag, replan_period,

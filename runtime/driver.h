@@ -2,6 +2,8 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -22,6 +24,7 @@
 #include "runtime/health_report.h"
 #include "runtime/latency_histogram.h"
 #include "runtime/mission.h"
+#include "runtime/preflight.h"
 #include "runtime/range_check.h"
 #include "runtime/sensor_inbox.h"
 #include "runtime/watched_stream.h"
@@ -30,7 +33,7 @@ namespace prospect {
 
 class Knobs;
 
-struct RealTimeOptions {
+struct DriverOptions {
   CommandLoopOptions command;
   DriveModeOptions mode;
   DriveWatchOptions watch;
@@ -45,28 +48,23 @@ struct RealTimeOptions {
 };
 
 /// The knobs (models/knobs.h).
-void describe(Knobs& knobs, RealTimeOptions& options);
+void describe(Knobs& knobs, DriverOptions& options);
 
-/// What a driver drives with. Everything outlives it; `inbox` and `ranges` may be absent.
-struct RobotParts {
+/// What a driver, and the checks before it, work with. Everything outlives it.
+struct DriverParts {
   const Clock& clock;
-  Base& base;
-  BeliefSource& beliefs;
-  Replanner& planner;
   const Guard& guard;
   std::shared_ptr<const MotionModel> model;
+  /// [s] after which the base stops by itself when commands cease (base.h); none: it is refused.
+  std::optional<double> dead_man{};
   SensorInbox* inbox = nullptr;  ///< gets the wheel motion that the base reports
   /// Asked with the command in force and the time, from the command thread (range_check()).
   std::function<RangeCheck(const Twist&, double)> ranges{};
-  /// The check before the first motion that failed (preflight.h); empty: all passed.
-  std::string failed_preflight = "none was made";
-  bool yaw_checked = false;
   /// Who must be able to stop it; null: nobody but who asks by `requests`.
   const EmergencyStopInput* emergency_stop = nullptr;
-  // What a health report tells of besides.
+  /// Those that the robot needs: pre-flight waits for them, and a health report tells of them.
   std::vector<WatchedStream> streams{};
-  std::vector<CheckResult> preflight{};
-  /// What people ask of it, also before it drives; null: nobody but by the driver's own functions.
+  /// What people ask of it, also before it drives; null: nobody but by Driver::requests().
   DriveRequests* requests = nullptr;
 };
 
@@ -83,16 +81,20 @@ struct DriverStatus {
   int guard_stops = 0;
 };
 
-/// A mission on a robot in real time, by three threads that never wait for each other:
+/// A robot's mission in real time, as five calls:
 ///
-///   perception  BeliefSource::update() -> newest belief
-///   planner     newest belief -> Replanner::prepare(), then predicted belief -> plan, which takes
-///               effect at its stamp
-///   command     every period: base report -> facts -> drive mode -> command -> base
+///   observe()  perceives: what is known now -> newest belief
+///   advance()  plans:     newest belief -> Replanner::prepare(), then predicted belief -> plan,
+///                         which takes effect at its stamp
+///   command()  commands:  what the base reports -> facts -> drive mode -> what it is to be told
+///   events()   tells what has happened
+///   stop()     ends it: the robot brakes
 ///
-/// The newest of each is handed on by a pointer under a lock that is held for its copy. What is
-/// done when something is wrong stands in one table, drive_mode.h; the order in which a command is
-/// decided, in command_loop.h. The calling thread waits for the end.
+/// The first three are called by a thread each, again and again, and never wait for each other: the
+/// newest of each is handed on by a pointer under a lock that is held for its copy. Who does not
+/// call in time (perception_limit, planner_limit, command_limit) is late, and the robot stops.
+/// run() calls them by three threads of its own. What is done when something is wrong stands in one
+/// table, drive_mode.h; the order in which a command is decided, in command_loop.h.
 ///
 /// Latency. With t_k the start of plan k, L how long Replanner::plan() may take (PlanningLatency;
 /// prepare() comes before it, while plan k-1 is driven), T the replan_period, C = committed dt, and
@@ -117,35 +119,57 @@ struct DriverStatus {
 ///     and brakes: up to (dead_man) v + v^2 / (2 a) that no certificate covers.
 ///
 /// What it says by itself, in the events: each change of the drive mode, each refusal of the guard,
-/// late plans; why the robot stands when it is told to drive and has been at rest for 10 s; and,
-/// from the thread that called run(), that the command thread does not answer.
+/// late plans; why the robot stands when it is told to drive and has been at rest for 10 s; and, by
+/// watch(), that the command thread does not answer.
 ///
 /// It ends as run_mission() does: the task is over, enough is seen, the time limit, localization
-/// lost for too long, or cancelled; then the robot brakes, and all threads are joined. An emergency
-/// stop or a fault of the base does not end it: it latches until it is acknowledged.
+/// lost for too long, or cancelled; then the robot brakes. An emergency stop or a fault of the base
+/// does not end it: it latches until it is acknowledged.
 ///
-/// Thread-safety: run() once, by one thread; the other functions by any. Errors: the constructor
-/// throws std::invalid_argument for a base that declares no dead-man, and for options out of range;
-/// run() passes on what on_step() or MissionOptions::missing throw, once the robot is at rest.
-class RealTimeDriver {
+/// Thread-safety: observe(), advance() and command() by one thread each, watch() and finish() by
+/// one; the others by any. Errors: the constructor throws std::invalid_argument without a model,
+/// for a base that declares no dead-man, and for options out of range; finish() passes on what
+/// on_step() or MissionOptions::missing threw, which ends the mission.
+class Driver {
  public:
-  RealTimeDriver(const RobotParts& parts, const RealTimeOptions& options);
-  ~RealTimeDriver();
+  /// preflight: what came of the checks before the first motion (run_preflight()): it does not
+  /// drive if one has failed, and slowly if none has seen it turn. None: no check was made, and it
+  /// does not drive. planner outlives it.
+  Driver(const DriverParts& parts, Replanner& planner,
+         const std::optional<PreflightResult>& preflight, const DriverOptions& options = {},
+         const MissionOptions& mission = {});
+  ~Driver();
 
-  /// Observers are told as mission_observer.h says. MissionStep::belief is the newest when the step
-  /// began; the plan begins at its stamp, later. result.duration is of the runtime's clock.
-  MissionResult run(const MissionOptions& mission);
+  /// Takes what is known now, its stamps in the clock's time; null: nothing new has come. picture:
+  /// what the cameras showed for it.
+  void observe(std::shared_ptr<const Belief> newest, const CameraPicture& picture = {});
+  /// Waits until the next plan is due, and makes it. False: the mission is over, or `stop` was
+  /// requested. Observers are told as mission_observer.h says: MissionStep::belief is the newest
+  /// when the step began; the plan begins at its stamp, later.
+  bool advance(const std::stop_token& stop = {});
+  /// What the base is to be told now: at each DriverOptions::command.period, also after the
+  /// mission is over, until at_rest().
+  CommandStep command(const BaseReport& report);
+  const EventLog& events() const;
+  void stop() noexcept;  ///< the mission ends as cancelled
 
-  // As DriveRequests.
-  void emergency_stop() noexcept;
-  void acknowledge() noexcept;
-  void hold() noexcept;
-  void resume() noexcept;
-
+  /// Whether the mission is over and the robot has come to rest.
+  bool at_rest() const noexcept;
+  DriveRequests& requests();
   DriverStatus status() const;
   /// How the robot is, with its last ten events of warnings or worse.
   HealthReport health() const;
-  const EventLog& events() const;
+
+  /// Some times a second, by who waits for the end: looks whether commands are sent, and tells
+  /// observers of events and health.
+  void watch();
+  /// At the end, once, when no thread calls any more: tells observers of it. result.duration is of
+  /// the clock.
+  MissionResult finish();
+
+  /// All of it, once, by three threads, until the robot is at rest: finish(). base and beliefs
+  /// belong to them meanwhile.
+  MissionResult run(Base& base, BeliefSource& beliefs);
 
  private:
   struct Impl;

@@ -1,4 +1,4 @@
-#include "runtime/real_time_driver.h"
+#include "runtime/driver.h"
 
 #include <gtest/gtest.h>
 
@@ -19,7 +19,7 @@
 #include "tests/runtime/patient_guard.h"
 #include "tests/runtime/step_observer.h"
 
-namespace prospect::real_time_driver_test {
+namespace prospect::driver_test {
 namespace {
 
 constexpr double kSpeed = 0.3;  // [m/s]
@@ -95,9 +95,9 @@ class StraightOn final : public Replanner {
   std::vector<Pose> predicted;
 };
 
-class RealTimeDriverTest : public ::testing::Test {
+class DriverTest : public ::testing::Test {
  protected:
-  RealTimeDriverTest() {
+  DriverTest() {
     options_.command.period = 0.02;
     options_.command.hold = 0.1;
     options_.mode.live_time = options_.mode.rest_time = 0.05;
@@ -108,24 +108,19 @@ class RealTimeDriverTest : public ::testing::Test {
     options_.perception_limit = 5.0;
     options_.planner_limit = 5.0;
   }
-  RobotParts parts() {
-    return {.clock = clock_,
-            .base = base_,
-            .beliefs = beliefs_,
-            .planner = planner_,
-            .guard = guard_,
-            .model = model_,
-            .failed_preflight = "",
-            .yaw_checked = true};
+  DriverParts parts() {
+    return {.clock = clock_, .guard = guard_, .model = model_, .dead_man = base_.dead_man()};
   }
-  static MissionResult run(RealTimeDriver& driver, const test::StepObserver::Function& observe,
-                           const std::function<bool()>& cancelled = {}) {
-    test::StepObserver observer(observe);
-    MissionOptions mission;
-    mission.observers = {&observer};
-    mission.cancelled = cancelled;
-    return driver.run(mission);
+  /// Observers are asked for on_step alone.
+  Driver make(const DriverParts& parts, const test::StepObserver::Function& observe = {},
+              const MissionOptions& given = {}) {
+    observer_.emplace(observe);
+    MissionOptions mission = given;
+    mission.observers = {&*observer_};
+    return Driver(parts, planner_, PreflightResult{.checks = {}, .yaw_checked = true}, options_,
+                  mission);
   }
+  Driver make() { return make(parts()); }
   /// The fastest command sent in that time.
   double fastest(double from, double until) const {
     double speed = 0.0;
@@ -141,22 +136,22 @@ class RealTimeDriverTest : public ::testing::Test {
   StraightOn planner_;
   std::shared_ptr<const Unicycle> model_ = std::make_shared<const Unicycle>();
   Guard guard_ = test::patient_guard(model_);
-  RealTimeOptions options_;
+  DriverOptions options_;
+  std::optional<test::StepObserver> observer_;
 };
 
-TEST_F(RealTimeDriverTest, DrivesUntilTheTaskIsOverAndStands) {
+TEST_F(DriverTest, DrivesUntilTheTaskIsOverAndStands) {
   planner_.steps = 8;
-  RobotParts robot = parts();
+  DriverParts robot = parts();
   robot.streams = {{"truth", 0.5, [](const Belief* newest) {
                       return newest ? std::optional(newest->stamps.pose) : std::nullopt;
                     }}};
-  robot.preflight = {{"floor", CheckVerdict::kPassed, "0.45 m"}};
-  RealTimeDriver driver(robot, options_);
   int observed = 0;
-  const MissionResult result = run(driver, [&](const MissionStep& step) {
+  Driver driver = make(robot, [&](const MissionStep& step) {
     EXPECT_EQ(step.index, observed++);
     EXPECT_GE(step.plan->stamp, step.belief->stamp);
   });
+  const MissionResult result = driver.run(base_, beliefs_);
   EXPECT_EQ(result.end, MissionEnd::kExplored);
   EXPECT_EQ(result.steps, 9);
   EXPECT_EQ(observed, 9);
@@ -176,14 +171,13 @@ TEST_F(RealTimeDriverTest, DrivesUntilTheTaskIsOverAndStands) {
   const HealthReport health = driver.health();
   EXPECT_EQ(health.threads.size(), 3u);
   EXPECT_EQ(health.drive.mode, driver.status().mode.mode);
-  EXPECT_EQ(health.preflight.size(), 1u);
   ASSERT_EQ(health.sources.size(), 1u);
   EXPECT_EQ(health.sources[0].name, "truth");
   EXPECT_LT(health.sources[0].age, 60.0);
   EXPECT_GT(health.latencies.at(0).histogram.count(), 0u);
 }
 
-TEST_F(RealTimeDriverTest, APlannerThatHangsLeavesTheRobotOnTheStopOfItsPlan) {
+TEST_F(DriverTest, APlannerThatHangsLeavesTheRobotOnTheStopOfItsPlan) {
   double hung = 0.0, back = 0.0;
   planner_.steps = 7;
   planner_.on_plan = [&](int plan) {
@@ -192,8 +186,8 @@ TEST_F(RealTimeDriverTest, APlannerThatHangsLeavesTheRobotOnTheStopOfItsPlan) {
     clock_.wait_until(hung + 1.2, {});
     back = clock_.now();
   };
-  RealTimeDriver driver(parts(), options_);
-  const MissionResult result = driver.run({});
+  Driver driver = make();
+  const MissionResult result = driver.run(base_, beliefs_);
   EXPECT_EQ(result.end, MissionEnd::kExplored);
   // The plan before commits 0.5 s, and the stop from 0.3 m/s takes 0.4 s.
   const double end = planner_.starts[4] + 0.5 + 0.4 + 0.06;
@@ -202,9 +196,8 @@ TEST_F(RealTimeDriverTest, APlannerThatHangsLeavesTheRobotOnTheStopOfItsPlan) {
   EXPECT_EQ(fastest(end, back), 0.0);
 }
 
-TEST_F(RealTimeDriverTest, AnEmergencyStopLatchesUntilItIsAcknowledged) {
-  RealTimeDriver driver(parts(), options_);
-  std::atomic<bool> cancelled = false;
+TEST_F(DriverTest, AnEmergencyStopLatchesUntilItIsAcknowledged) {
+  Driver driver = make();
   double pressed = 0.0, released = 0.0;
   std::jthread person([&] {
     const auto wait_for = [&](const std::function<bool()>& so) {
@@ -216,8 +209,8 @@ TEST_F(RealTimeDriverTest, AnEmergencyStopLatchesUntilItIsAcknowledged) {
     };
     wait_for([&] { return base_.velocity().linear.x() > 0.1; });
     pressed = clock_.now();
-    driver.emergency_stop();
-    driver.acknowledge();  // void: it moves
+    driver.requests().emergency_stop();
+    driver.requests().acknowledge();  // void: it moves
     wait_for([&] { return driver.status().mode.mode == DriveMode::kStopped; });
     EXPECT_EQ(base_.velocity().linear.norm(), 0.0);
     // It is held: a base that does not follow might make something else of a velocity of zero.
@@ -232,11 +225,11 @@ TEST_F(RealTimeDriverTest, AnEmergencyStopLatchesUntilItIsAcknowledged) {
     EXPECT_GT(base_.stops(), held);
     EXPECT_EQ(driver.status().mode.mode, DriveMode::kStopped);
     released = clock_.now();
-    driver.acknowledge();
+    driver.requests().acknowledge();
     wait_for([&] { return base_.velocity().linear.x() > 0.1; });
-    cancelled = true;
+    driver.stop();
   });
-  const MissionResult result = run(driver, {}, [&] { return cancelled.load(); });
+  const MissionResult result = driver.run(base_, beliefs_);
   EXPECT_EQ(result.end, MissionEnd::kCancelled);
   EXPECT_EQ(base_.velocity().linear.norm(), 0.0);
   // The command that is under way may still come; none after it.
@@ -248,12 +241,12 @@ TEST_F(RealTimeDriverTest, AnEmergencyStopLatchesUntilItIsAcknowledged) {
   EXPECT_TRUE(told);
 }
 
-TEST_F(RealTimeDriverTest, AnEmergencyStopThatNobodyCouldPressKeepsItStandingAndStopsIt) {
+TEST_F(DriverTest, AnEmergencyStopThatNobodyCouldPressKeepsItStandingAndStopsIt) {
   EmergencyStopInput button("/stop", {.max_age = 0.3});
-  RobotParts robot = parts();
+  DriverParts robot = parts();
   robot.emergency_stop = &button;
-  RealTimeDriver driver(robot, options_);
-  std::atomic<bool> cancelled = false, lives = false;
+  Driver driver = make(robot);
+  std::atomic<bool> lives = false;
   std::jthread publisher([&](const std::stop_token& stop) {
     while (!stop.stop_requested()) {
       if (lives) button.told(1, false, clock_.now());
@@ -281,7 +274,7 @@ TEST_F(RealTimeDriverTest, AnEmergencyStopThatNobodyCouldPressKeepsItStandingAnd
       return is(DriveMode::kStopping, DriveCause::kEmergencyStopSilent) &&
              base_.velocity().linear.norm() == 0.0;
     });
-    driver.acknowledge();
+    driver.requests().acknowledge();
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
     EXPECT_TRUE(is(DriveMode::kStopping, DriveCause::kEmergencyStopSilent)) << "still nobody";
     lives = true;
@@ -289,11 +282,11 @@ TEST_F(RealTimeDriverTest, AnEmergencyStopThatNobodyCouldPressKeepsItStandingAnd
              [&] { return is(DriveMode::kStopped, DriveCause::kEmergencyStopSilent); });
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
     EXPECT_TRUE(is(DriveMode::kStopped, DriveCause::kEmergencyStopSilent)) << "not by itself";
-    driver.acknowledge();
+    driver.requests().acknowledge();
     wait_for("acknowledged", [&] { return base_.velocity().linear.x() > 0.1; });
-    cancelled = true;
+    driver.stop();
   });
-  EXPECT_EQ(run(driver, {}, [&] { return cancelled.load(); }).end, MissionEnd::kCancelled);
+  EXPECT_EQ(driver.run(base_, beliefs_).end, MissionEnd::kCancelled);
   bool named = false;
   for (const Event& event : driver.events().since(0).events) {
     named = named || (event.cause == "emergency stop silent" &&
@@ -302,12 +295,11 @@ TEST_F(RealTimeDriverTest, AnEmergencyStopThatNobodyCouldPressKeepsItStandingAnd
   EXPECT_TRUE(named);
 }
 
-TEST_F(RealTimeDriverTest, PeopleHoldStopAndSendItByRequestsOfTheirOwn) {
+TEST_F(DriverTest, PeopleHoldStopAndSendItByRequestsOfTheirOwn) {
   DriveRequests requests;
-  RobotParts robot = parts();
+  DriverParts robot = parts();
   robot.requests = &requests;
-  RealTimeDriver driver(robot, options_);
-  std::atomic<bool> cancelled = false;
+  Driver driver = make(robot);
   // The speed that is sent is lower from the second command after a time on: that under way was
   // decided before. It is the only one where a busy machine is late and the base stood by then.
   const auto expect_slower_after = [&](double pressed) {
@@ -355,49 +347,80 @@ TEST_F(RealTimeDriverTest, PeopleHoldStopAndSendItByRequestsOfTheirOwn) {
     requests.emergency_stop();
     wait_for("stopped", [&] { return requests.stopped(); });
     expect_slower_after(pressed);
-    cancelled = true;
+    driver.stop();
   });
-  EXPECT_EQ(run(driver, {}, [&] { return cancelled.load(); }).end, MissionEnd::kCancelled);
+  EXPECT_EQ(driver.run(base_, beliefs_).end, MissionEnd::kCancelled);
 }
 
-TEST_F(RealTimeDriverTest, WhatAnObserverThrowsComesAfterTheRobotStands) {
-  RealTimeDriver driver(parts(), options_);
+// Nothing but the five calls, by loops of one's own.
+TEST_F(DriverTest, FiveCallsAreAWholeRobot) {
+  planner_.steps = 4;
+  Driver driver = make();
+  std::jthread perceives([&](const std::stop_token& stop) {
+    while (!stop.stop_requested()) driver.observe(beliefs_.update(stop));
+  });
+  std::jthread plans([&](const std::stop_token& stop) {
+    while (driver.advance(stop)) {
+    }
+  });
+  bool drove = false;
+  for (const double end = clock_.now() + 20.0; !driver.at_rest() && clock_.now() < end;) {
+    const CommandStep step = driver.command(base_.report());
+    drove = drove || step.reason == CommandReason::kPlan;
+    base_.send(step.command, step.expires);
+    clock_.wait_until(clock_.now() + options_.command.period, {});
+  }
+  plans.join();
+  EXPECT_TRUE(drove);
+  EXPECT_TRUE(driver.at_rest());
+  EXPECT_FALSE(driver.advance());
+  EXPECT_EQ(driver.finish().end, MissionEnd::kExplored);
+  EXPECT_FALSE(driver.events().since(0).events.empty());
+}
+
+TEST_F(DriverTest, StopEndsAMissionThatNothingIsKnownOf) {
+  Driver driver = make();
+  EXPECT_TRUE(driver.advance());
+  driver.stop();
+  EXPECT_FALSE(driver.advance());
+  EXPECT_EQ(driver.finish().end, MissionEnd::kCancelled);
+}
+
+TEST_F(DriverTest, WhatAnObserverThrowsComesAfterTheRobotStands) {
   int observed = 0;
-  EXPECT_THROW(run(driver,
-                   [&](const MissionStep&) {
-                     if (++observed == 5) throw std::runtime_error("full disk");
-                   }),
-               std::runtime_error);
+  Driver driver = make(parts(), [&](const MissionStep&) {
+    if (++observed == 5) throw std::runtime_error("full disk");
+  });
+  EXPECT_THROW(driver.run(base_, beliefs_), std::runtime_error);
   EXPECT_EQ(base_.velocity().linear.norm(), 0.0);
 }
 
-TEST_F(RealTimeDriverTest, ABaseWithoutADeadManIsRefused) {
-  test::FakeBase base(clock_, std::nullopt);
-  const RobotParts without{.clock = clock_,
-                           .base = base,
-                           .beliefs = beliefs_,
-                           .planner = planner_,
-                           .guard = guard_,
-                           .model = model_};
+TEST_F(DriverTest, ABaseWithoutADeadManIsRefused) {
+  DriverParts without = parts();
+  without.dead_man.reset();
   try {
-    RealTimeDriver driver(without, options_);
+    make(without);
     FAIL() << "was taken";
   } catch (const std::invalid_argument& e) {
-    EXPECT_NE(std::string(e.what()).find("base fake: it declares no dead-man"), std::string::npos);
+    EXPECT_NE(std::string(e.what()).find("the base declares no dead-man"), std::string::npos);
   }
 }
 
-TEST_F(RealTimeDriverTest, WithoutPreflightItStands) {
-  RobotParts unchecked = parts();
-  unchecked.failed_preflight = "none was made";
-  RealTimeDriver driver(unchecked, options_);
+TEST_F(DriverTest, WithoutPreflightOrWithACheckThatFailedItStands) {
   MissionOptions mission;
   mission.time_limit = 0.3;
-  const MissionResult result = driver.run(mission);
-  EXPECT_EQ(result.end, MissionEnd::kTimeLimit);
-  EXPECT_EQ(base_.pose().position.x(), 0.0);
-  EXPECT_EQ(driver.status().mode.cause, DriveCause::kPreflight);
+  for (const auto& checks :
+       {std::optional<PreflightResult>(),
+        std::optional(PreflightResult{{{"floor", CheckVerdict::kFailed, "0.1 m"}}, true})}) {
+    StraightOn planner;
+    Driver driver(parts(), planner, checks, options_, mission);
+    const MissionResult result = driver.run(base_, beliefs_);
+    EXPECT_EQ(result.end, MissionEnd::kTimeLimit);
+    EXPECT_EQ(base_.pose().position.x(), 0.0);
+    EXPECT_EQ(driver.status().mode.cause, DriveCause::kPreflight);
+    EXPECT_EQ(driver.health().preflight.size(), checks ? 1u : 0u);
+  }
 }
 
 }  // namespace
-}  // namespace prospect::real_time_driver_test
+}  // namespace prospect::driver_test

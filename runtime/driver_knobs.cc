@@ -1,9 +1,9 @@
 #include "models/knobs.h"
-#include "runtime/real_time_driver.h"
+#include "runtime/driver.h"
 
 namespace prospect {
 
-void describe(Knobs& knobs, RealTimeOptions& o) {
+void describe(Knobs& knobs, DriverOptions& o) {
   knobs.group("command", [&] { describe(knobs, o.command); });
   knobs.group("mode", [&] { describe(knobs, o.mode); });
   knobs.group("watch", [&] { describe(knobs, o.watch); });
