@@ -3,9 +3,12 @@
 function(prospect_build_versions target)
   set(PROSPECT_COMPILER "${CMAKE_CXX_COMPILER_ID} ${CMAKE_CXX_COMPILER_VERSION}")
   string(TOUPPER "${CMAKE_BUILD_TYPE}" type)
-  # Less what decides about warnings and the compiler's own memory, which change no bit.
-  get_target_property(options ${target} COMPILE_OPTIONS)
+  # Of the engine, which computes; less what decides about warnings and the compiler's own memory, which change no bit.
+  get_target_property(options prospect_engine COMPILE_OPTIONS)
   list(FILTER options EXCLUDE REGEX "^-W|ggc-min")
+  if(options MATCHES "\\$<")
+    message(FATAL_ERROR "prospect_engine is compiled with '${options}': a generator expression cannot be reported as flags")
+  endif()
   list(JOIN options " " options)
   string(STRIP "${CMAKE_CXX_FLAGS} ${CMAKE_CXX_FLAGS_${type}} ${options}" PROSPECT_COMPILER_FLAGS)
   file(STRINGS ${PROSPECT_OPENCV_INCLUDE}/opencv2/core/version.hpp opencv REGEX "#define CV_VERSION_(MAJOR|MINOR|REVISION)")
