@@ -1,12 +1,6 @@
 #include "adapters/formats/bags/bag_file.h"
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <cerrno>
-#include <cstdlib>
-#include <cstring>
 #include <filesystem>
 #include <optional>
 #include <string_view>
@@ -14,6 +8,7 @@
 
 #include "adapters/formats/bags/decompression.h"
 #include "adapters/formats/files/input_error.h"
+#include "adapters/formats/files/temporary_file.h"
 
 namespace prospect {
 namespace {
@@ -65,40 +60,6 @@ std::vector<std::string> bag_files(const std::string& path) {
   return files;
 }
 
-/// A file that is removed with this object; who has opened it keeps it.
-class TemporaryFile {
- public:
-  TemporaryFile() : path_((fs::temp_directory_path() / "prospect_bag_XXXXXX").string()) {
-    descriptor_ = ::mkostemp(path_.data(), O_CLOEXEC);
-    if (descriptor_ < 0) no_room();
-  }
-  ~TemporaryFile() {
-    if (descriptor_ < 0) return;
-    ::close(descriptor_);
-    ::unlink(path_.c_str());
-  }
-  TemporaryFile(const TemporaryFile&) = delete;
-  TemporaryFile& operator=(const TemporaryFile&) = delete;
-
-  void append(std::string_view bytes) {
-    while (!bytes.empty()) {
-      const ssize_t n = ::write(descriptor_, bytes.data(), bytes.size());
-      if (n < 0 && errno == EINTR) continue;
-      if (n <= 0) no_room();
-      bytes.remove_prefix(static_cast<std::size_t>(n));
-    }
-  }
-  const std::string& path() const { return path_; }
-
- private:
-  [[noreturn]] void no_room() const {
-    throw InputError(path_ + ": " + std::strerror(errno) +
-                     "; expected room to decompress a bag (TMPDIR names another folder)");
-  }
-  std::string path_;
-  int descriptor_ = -1;
-};
-
 /// The file `path` of a bag, decompressed into `to`.
 void unpack(const std::string& path, const PackedEnding& packed, TemporaryFile& to) {
   if (packed.compression == Compression::kNone) {
@@ -143,7 +104,7 @@ BagFile BagFile::open(const std::string& path) {
     BagPart part{file, file, impl.files.size()};
     std::optional<TemporaryFile> unpacked;
     if (const PackedEnding* packed = packed_ending(file)) {
-      unpack(file, *packed, unpacked.emplace());
+      unpack(file, *packed, unpacked.emplace("prospect_bag", "to decompress a bag"));
       part.path = unpacked->path();
     }
     if (plain_name(file).extension() == ".mcap") {

@@ -94,7 +94,8 @@ void answer(int file, Answer kind, const std::string& text) {
 [[noreturn]] void child(int file, const std::function<std::string()>& work,
                         const ChildLimits& limits, std::size_t addresses) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-  for (const int signal : {SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL, SIGTERM, SIGINT, SIGPIPE}) {
+  for (const int signal :
+       {SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL, SIGTERM, SIGINT, SIGHUP, SIGPIPE}) {
     std::signal(signal, SIG_DFL);
   }
   const int nowhere = ::open("/dev/null", O_RDWR | O_CLOEXEC);

@@ -99,15 +99,15 @@ class FloorMap {
       mapped = map_at(*perception_, stamp, T_WC, [&] { return perception_->depth(stamp, image); });
       frame.up = T_WC.linear() * mapped.ground.normal;
       frame.height_error = mapped.ground.height - T_WC.translation().z();
-      ProcessorStopwatch watch;
+      ProcessorStopwatch stopwatch;
       maps_ = perception_->map().snapshot();
-      frame.snapshot = watch.lap();
+      frame.snapshot = stopwatch.lap();
       return frame;
     }
     mapped.stamp = dataset_.stamp(i);
-    ProcessorStopwatch watch;
+    ProcessorStopwatch stopwatch;
     mapped.ground = find_ground(dataset_.camera(), image, prior_, options_.mapper.ground);
-    mapped.times.ground = watch.lap();
+    mapped.times.ground = stopwatch.lap();
     mapped.state = mapped.ground.found ? Mapping::kOk : Mapping::kDegraded;
     if (!mapped.ground.found) mapped.reason = "no ground: " + mapped.ground.reason;
     frame.up = mapped.ground.normal;
@@ -167,7 +167,7 @@ int low_cells(const BeliefMaps& maps) {
 }  // namespace
 
 MapRun run_mapping(const DepthDataset& dataset, const MapRunOptions& options, int first,
-                   int max_frames, const std::function<void(int, const MapRunFrame&)>& progress) {
+                   int max_frames, const MapRunWatch& watch) {
   cv::setNumThreads(1);  // one core, and nothing that depends on scheduling
   MapRun run;
   run.first = options.prior;
@@ -178,19 +178,27 @@ MapRun run_mapping(const DepthDataset& dataset, const MapRunOptions& options, in
   Elements images("images");
   std::set<int> unreadable;
   int next_look = 0;  // when to see whether the floor has moved [frames]
-  // All frames before the one at `until`, anew.
+  const auto cancelled = [&] {
+    run.cancelled = run.cancelled || (watch.cancelled && watch.cancelled());
+    return run.cancelled;
+  };
+  // All frames before the one at `until`, anew; the map stays as it was if that is cancelled.
   const auto begin = [&](int until, const std::string& reason) {
     const GroundHypothesis& taken = *ground.taken();
-    const int at = std::min(until, first + n - 1);
-    run.changes.push_back({at - first, dataset.stamp(at), taken.number, taken.height, reason});
-    map = std::make_unique<FloorMap>(dataset, options, first, taken);
+    auto made = std::make_unique<FloorMap>(dataset, options, first, taken);
+    std::vector<MapRunFrame> frames = run.frames;
     for (int k = first; k < until; ++k) {
-      MapRunFrame& frame = run.frames[static_cast<std::size_t>(k - first)];
+      MapRunFrame& frame = frames[static_cast<std::size_t>(k - first)];
       if (unreadable.contains(k)) continue;
+      if (cancelled()) return;
       const double hypotheses = frame.hypotheses;
-      frame = map->enter(k, dataset.read(k));
+      frame = made->enter(k, dataset.read(k));
       frame.hypotheses = hypotheses;
     }
+    const int at = std::min(until, first + n - 1);
+    run.changes.push_back({at - first, dataset.stamp(at), taken.number, taken.height, reason});
+    map = std::move(made);
+    run.frames = std::move(frames);
     next_look = 2 * (until - first + 1);
   };
   // Why the map must be made again; empty: its floor is where the estimate is.
@@ -208,17 +216,17 @@ MapRun run_mapping(const DepthDataset& dataset, const MapRunOptions& options, in
     return text;
   };
   std::string why;
-  for (int i = first; i < first + n; ++i) {
+  for (int i = first; i < first + n && !cancelled(); ++i) {
     DepthImage image;
     if (!images.read([&] { image = dataset.read(i); })) {
       unreadable.insert(i);
       run.frames.push_back(left_out(dataset.stamp(i), images.why()));
-      if (progress) progress(i - first + 1, run.frames.back());
+      if (watch.progress) watch.progress(i - first + 1, run.frames.back());
       continue;
     }
-    ProcessorStopwatch watch;
+    ProcessorStopwatch stopwatch;
     const GroundObservation look = ground.add(image, FloorMap::pose_of(dataset, i));
-    const double hypotheses = watch.lap();
+    const double hypotheses = stopwatch.lap();
     if (why.empty()) why = look.reason;
     record(ground.all(), i - first, dataset.stamp(i), run);
     if (look.changed && ground.taken() != nullptr) {
@@ -244,16 +252,17 @@ MapRun run_mapping(const DepthDataset& dataset, const MapRunOptions& options, in
     }
     frame.hypotheses = hypotheses;
     run.frames.push_back(frame);
-    if (progress) progress(i - first + 1, frame);
+    if (watch.progress) watch.progress(i - first + 1, frame);
   }
   if (images.bad() > 0) run.notes.push_back(images.note());
-  if (ground.settle()) {
+  if (!run.cancelled && ground.settle()) {
     while (!run.ground.empty() && run.ground.back().frame == n - 1) run.ground.pop_back();
     record(ground.all(), n - 1, dataset.stamp(first + n - 1), run);
     begin(first + n, "no other, though few frames show it");
-  } else if (const std::string reason = moved(); !reason.empty()) {
+  } else if (const std::string reason = moved(); !run.cancelled && !reason.empty()) {
     begin(first + n, reason);
   }
+  if (run.cancelled) run.notes.push_back(cancelled_note(run.frames.size(), n));
   if (map) {
     run.first = map->prior();
     run.T_WD = map->T_WD();

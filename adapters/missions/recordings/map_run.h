@@ -76,6 +76,13 @@ struct MapRun {
   GroundPrior first;               ///< the ground taken, as the first camera would see it
   BeliefMaps maps;                 ///< null without poses or ground: nothing is mapped
   std::vector<std::string> notes;  ///< images or scans that could not be read: left out, rejected
+  bool cancelled = false;          ///< it ends before the last frame, or on a floor of before
+};
+
+/// Who watches a run, as far as there is somebody.
+struct MapRunWatch {
+  std::function<void(int done, const MapRunFrame&)> progress;  ///< called after each frame
+  std::function<bool()> cancelled;                             ///< asked before each frame
 };
 
 /// Maps a recording, from frame `first`, at most `max_frames` (0: all).
@@ -90,12 +97,11 @@ struct MapRun {
 /// Without poses that is done in the camera's frame, and then the ground of each frame is measured,
 /// but nothing is mapped.
 ///
-/// If no frame shows the ground, all frames are rejected and nothing is mapped. Throws InputError
-/// if an image cannot be read. `progress`, if any, is called after each frame with the number done.
-/// One thread; the same recording gives the same bits, but for times.
+/// If no frame shows the ground, all frames are rejected and nothing is mapped. Cancelled, the map
+/// is that of the frames so far. Throws InputError if an image cannot be read. One thread; the same
+/// recording gives the same bits, but for times.
 MapRun run_mapping(const DepthDataset& dataset, const MapRunOptions& options = {}, int first = 0,
-                   int max_frames = 0,
-                   const std::function<void(int, const MapRunFrame&)>& progress = {});
+                   int max_frames = 0, const MapRunWatch& watch = {});
 
 /// Counts and spreads of a run; NaN where there is nothing to measure.
 struct MapSummary {

@@ -18,7 +18,8 @@ namespace prospect {
 
 OdometryRun run_odometry(const StereoDataset& dataset, const StereoOdometryOptions& options,
                          int first, int max_frames,
-                         const std::function<void(const OdometryStep&)>& observe) {
+                         const std::function<void(const OdometryStep&)>& observe,
+                         const std::function<bool()>& cancelled) {
   cv::setNumThreads(1);  // one core, and nothing that depends on scheduling
   OdometryRun run;
   Eigen::Isometry3d start = Eigen::Isometry3d::Identity();
@@ -32,6 +33,8 @@ OdometryRun run_odometry(const StereoDataset& dataset, const StereoOdometryOptio
   OdometryConsistency consistency;
   Elements pairs("pairs");
   for (int i = first; i < first + n; ++i) {
+    run.cancelled = cancelled && cancelled();
+    if (run.cancelled) break;
     const double stamp = dataset.stamp(i);
     StereoDataset::Pair pair;
     if (!pairs.read([&] { pair = dataset.read(i); })) {
@@ -64,6 +67,7 @@ OdometryRun run_odometry(const StereoDataset& dataset, const StereoOdometryOptio
   run.pairs = associate(run.trajectory, dataset.ground_truth());
   run.pairs_w_first = associate(run.trajectory, dataset.ground_truth_w_first());
   if (pairs.bad() > 0) run.notes.push_back(pairs.note());
+  if (run.cancelled) run.notes.push_back(cancelled_note(run.frames.size(), n));
   return run;
 }
 

@@ -25,6 +25,7 @@ struct OdometryRun {
   std::vector<PosePair> pairs_w_first;
   ConsistencyResult consistency;   ///< of the covariances, with ground truth
   std::vector<std::string> notes;  ///< pairs that could not be read: lost, with the reason
+  bool cancelled = false;          ///< it ends before the last frame
 };
 
 /// What there is to see after each frame of a run; valid during the call alone.
@@ -37,11 +38,12 @@ struct OdometryStep {
 };
 
 /// Runs the odometry over a recording, from frame `first`, at most `max_frames` (0: all).
-/// `observe`, if any, is called after each frame that can be read. One thread; the same recording
-/// gives the same poses.
+/// `observe`, if any, is called after each frame that can be read; `cancelled`, if any, is asked
+/// before each. One thread; the same recording gives the same poses.
 OdometryRun run_odometry(const StereoDataset& dataset, const StereoOdometryOptions& options = {},
                          int first = 0, int max_frames = 0,
-                         const std::function<void(const OdometryStep&)>& observe = {});
+                         const std::function<void(const OdometryStep&)>& observe = {},
+                         const std::function<bool()>& cancelled = {});
 
 /// Counts and errors of a run. Errors and lengths are NaN without two poses to measure them from
 /// (without ground truth, or where all else was lost), or where the path is too short.

@@ -17,4 +17,8 @@ void check_first_frame(int first, int size, const std::string& name) {
                    std::to_string(size) + " frames of " + name);
 }
 
+std::string cancelled_note(std::size_t frames, int of) {
+  return "cancelled after " + std::to_string(frames) + " of " + std::to_string(of) + " frames";
+}
+
 }  // namespace prospect

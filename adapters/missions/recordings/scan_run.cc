@@ -48,7 +48,7 @@ ScanPlacement place_scans(const ScanSource& source, double height, int first) {
 
 MapRun run_scan_mapping(const ScanSource& source, const ScanPlacement& placement,
                         const ScanMapperOptions& options, int first, int max_scans,
-                        const std::function<void(int, const MapRunFrame&)>& progress) {
+                        const MapRunWatch& watch) {
   MapRun run;
   run.T_WD = placement.T_WD;
   const int n = frames_from(first, max_scans, static_cast<int>(source.stamps.size()));
@@ -66,6 +66,8 @@ MapRun run_scan_mapping(const ScanSource& source, const ScanPlacement& placement
   PerceptionPipeline perception(options_of_all);
   Elements scans("scans");
   for (int i = first; i < first + n; ++i) {
+    run.cancelled = watch.cancelled && watch.cancelled();
+    if (run.cancelled) break;
     const auto k = static_cast<std::size_t>(i);
     MapRunFrame frame;
     const double stamp = source.stamps[k];
@@ -79,13 +81,14 @@ MapRun run_scan_mapping(const ScanSource& source, const ScanPlacement& placement
       frame.mapped.reason = scans.why();
     }
     frame.height_error = std::numeric_limits<double>::quiet_NaN();
-    ProcessorStopwatch watch;
+    ProcessorStopwatch stopwatch;
     run.maps = perception.map().snapshot();
-    frame.snapshot = watch.lap();
+    frame.snapshot = stopwatch.lap();
     run.frames.push_back(frame);
-    if (progress) progress(i - first + 1, frame);
+    if (watch.progress) watch.progress(i - first + 1, frame);
   }
   if (scans.bad() > 0) run.notes.push_back(scans.note());
+  if (run.cancelled) run.notes.push_back(cancelled_note(run.frames.size(), n));
   return run;
 }
 

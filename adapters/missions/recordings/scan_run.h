@@ -29,11 +29,10 @@ ScanPlacement place_scans(const ScanSource& source, double height, int first = 0
 /// result is that of run_mapping() with poses and without grounds. Of scans of one plane the slice
 /// of the ground map is widened to hold the layer of voxels that the first one runs in.
 ///
-/// A scan that cannot be read is rejected, and notes say so. `progress`, if any, is called after
-/// each scan with the number done. One thread; the same recording gives the same bits, but for
-/// times.
+/// A scan that cannot be read is rejected, and notes say so. Cancelled, the map is that of the
+/// scans so far. One thread; the same recording gives the same bits, but for times.
 MapRun run_scan_mapping(const ScanSource& source, const ScanPlacement& placement,
                         const ScanMapperOptions& options = {}, int first = 0, int max_scans = 0,
-                        const std::function<void(int, const MapRunFrame&)>& progress = {});
+                        const MapRunWatch& watch = {});
 
 }  // namespace prospect

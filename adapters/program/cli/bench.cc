@@ -80,12 +80,13 @@ std::vector<std::string> default_solvers(const SolverRegistry& registry, bool qu
 
 /// Writes the problems of the set `missions` to a new folder, which is then a set.
 int capture(const BenchArguments& arguments, const Configuration& configuration,
-            const Registries& registries) {
+            const Registries& registries, SignalGuard& signals) {
   const std::string& folder = arguments.capture;
   if (!arguments.sets.empty()) {
     throw InputError("--capture: '" + arguments.sets.front() +
                      "' beside it; expected no set, as it writes 'missions'");
   }
+  signals.note();
   OutputFolder output = OutputFolder::own(folder, {"problems"});
   if (output.state() != OutputFolder::State::kNew) {
     throw InputError("--capture " + folder + ": is there already; expected a new or empty folder");
@@ -98,7 +99,7 @@ int capture(const BenchArguments& arguments, const Configuration& configuration,
         write_problem(output.claim(problem_file_name(saved.origin)), saved);
         ++written;
       },
-      {[&](const std::string& what) { progress.show(what); }, catch_interrupts()});
+      {[&](const std::string& what) { progress.show(what); }, signals.came()});
   progress.finish();
   std::printf("%d problems in %s\n", written, folder.c_str());
   if (all) {
@@ -165,7 +166,7 @@ EarlierRows earlier_rows(const BenchArguments& arguments) {
                                : EarlierRows::kRefused;
 }
 
-int merge(const BenchArguments& arguments) {
+int merge(const BenchArguments& arguments, SignalGuard& signals) {
   const std::vector<std::string> folders = folders_of(arguments, false);
   BenchTable table = merge_benches(folders);
   table.relative_tolerance = arguments.tolerance;
@@ -177,6 +178,7 @@ int merge(const BenchArguments& arguments) {
       throw InputError("bench merge: --out is '" + folder + "'; expected a folder of its own");
     }
   }
+  signals.note();
   OutputFolder folder = open_bench_folder(out, earlier_rows(arguments));
   begin_bench_folder(folder);
   const BenchRowFile rows(out, table);
@@ -199,12 +201,15 @@ int compare(const BenchArguments& arguments) {
   return kDone;
 }
 
-int bench(const BenchArguments& arguments, const Registries& registries) {
-  if (!arguments.sets.empty() && arguments.sets.front() == "merge") return merge(arguments);
+int bench(const BenchArguments& arguments, const Registries& registries, SignalGuard& signals) {
+  if (!arguments.sets.empty() && arguments.sets.front() == "merge")
+    return merge(arguments, signals);
   if (!arguments.sets.empty() && arguments.sets.front() == "compare") return compare(arguments);
   const Configuration configuration = read_configuration(
       arguments.configuration, registries, arguments.settings, ConfigurationUse::kExplore);
-  if (!arguments.capture.empty()) return capture(arguments, configuration, registries);
+  if (!arguments.capture.empty()) {
+    return capture(arguments, configuration, registries, signals);
+  }
   // Everything is looked at before anything is measured or written.
   const std::vector<SolverChoice> solvers = choose_solvers(
       arguments.solvers.empty() ? default_solvers(registries.solvers, arguments.quick)
@@ -221,7 +226,7 @@ int bench(const BenchArguments& arguments, const Registries& registries) {
         "--config and --set: of no effect on these sets; expected the set 'missions' among them");
   }
   BenchOptions options;
-  options.cancelled = catch_interrupts();
+  options.cancelled = signals.came();
   Progress progress(arguments.quiet);
   const CaptureWatch watch{[&](const std::string& what) { progress.show(what); },
                            options.cancelled};
@@ -230,10 +235,6 @@ int bench(const BenchArguments& arguments, const Registries& registries) {
   for (const std::string& name : names) {
     sets.push_back(make_problem_set(name, configuration, registries, arguments.quick, watch));
     progress.finish();
-    if (options.cancelled()) {
-      std::cerr << "prospect: cancelled; nothing is measured\n";
-      return kCancelled;
-    }
     if (!used.insert(sets.back().name).second) {
       throw InputError("problem set '" + name + "': another one is named '" + sets.back().name +
                        "' too; expected sets of different names");
@@ -260,6 +261,7 @@ int bench(const BenchArguments& arguments, const Registries& registries) {
   options.relative_tolerance = arguments.tolerance;
   options.environment = environment();
   const std::string out = arguments.out.empty() ? "runs/bench" : arguments.out;
+  signals.note();  // not before: until here nothing is measured
   OutputFolder folder = open_bench_folder(out, earlier_rows(arguments));
   BenchTable table = empty_bench(sets, solvers, options);
   if (arguments.resume) take_earlier(table, out);
@@ -379,7 +381,8 @@ Command bench_command(CLI::App& program) {
                     "Write over the bench in that folder: what it holds is lost");
   command->add_flag("--json", arguments.json, "Print JSON");
   command->add_flag("--quiet", arguments.quiet, "No progress line");
-  return {command, [given](const Invocation& in) { return bench(*given, in.registries); }};
+  return {command,
+          [given](const Invocation& in) { return bench(*given, in.registries, in.signals); }};
 }
 
 }  // namespace prospect

@@ -13,12 +13,15 @@ class App;
 
 namespace prospect {
 
+class SignalGuard;
+
 /// How the program was called, but for the options of the command itself.
 struct Invocation {
   const Registries& registries;
   std::string typed;                 ///< the command line, for the run folder
   std::vector<std::string> plugins;  ///< files, as given
   std::vector<std::string> program;  ///< words that start this program anew
+  SignalGuard& signals;
 };
 
 /// A command of the program: its options, described in its own file, and what runs it with what

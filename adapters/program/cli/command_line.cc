@@ -20,6 +20,7 @@
 #include "adapters/program/cli/build_info.h"
 #include "adapters/program/cli/command_line_files.h"
 #include "adapters/program/cli/commands.h"
+#include "adapters/program/cli/interrupt.h"
 #include "adapters/program/cli/parse_command_line.h"
 #include "adapters/program/cli/shell_words.h"
 
@@ -67,7 +68,7 @@ std::string typed_line(int argc, char** argv) {
 }
 
 int run(int argc, char** argv, const prospect::LoadPlugin& load,
-        const std::vector<std::string>& program) {
+        const std::vector<std::string>& program, prospect::SignalGuard& signals) {
   using namespace prospect;
   CLI::App app{"Plans for robots that explore by sight.", "prospect"};
   app.require_subcommand(0, 1);
@@ -120,7 +121,7 @@ int run(int argc, char** argv, const prospect::LoadPlugin& load,
         load(path, {registries.solvers, registries.terms, registries.problems});
     if (!warning.empty()) std::cerr << "prospect: " << warning << '\n';
   }
-  const Invocation invocation{registries, typed_line(argc, argv), plugins, program};
+  const Invocation invocation{registries, typed_line(argc, argv), plugins, program, signals};
   const auto chosen = std::find_if(commands.begin(), commands.end(), [](const Command& command) {
     return command.options->parsed();
   });
@@ -132,8 +133,9 @@ int run(int argc, char** argv, const prospect::LoadPlugin& load,
 int prospect::run_command_line(int argc, char** argv, const LoadPlugin& load,
                                const std::vector<std::string>& program) {
   open_standard_files();
+  SignalGuard signals;
   try {
-    return checked_output(run(argc, argv, load, program));
+    return checked_output(run(argc, argv, load, program, signals));
   } catch (const InputError& error) {
     return refuse(error.lines(), kBadInput);
   } catch (const std::invalid_argument& error) {

@@ -35,7 +35,7 @@ void refuse_of_simulator(const DriveArguments& arguments) {
   refuse(!mission.reading.start.empty(), "--start");
 }
 
-int drive(const DriveArguments& arguments, const Registries& registries) {
+int drive(const DriveArguments& arguments, const Invocation& in) {
   ExploreArguments logged = arguments.mission;
   logged.log = true;
   MissionBase base;
@@ -59,7 +59,7 @@ int drive(const DriveArguments& arguments, const Registries& registries) {
       throw InputError("--base dds: no --ros; expected the file of the robot's topics");
     }
     base.dds = read_dds_options(arguments.ros);
-    return mission(logged, registries, base);
+    return mission(logged, in.registries, base, in.signals);
   }
   if (!arguments.ros.empty()) {
     throw InputError("--ros: given with --base " + arguments.base +
@@ -70,12 +70,12 @@ int drive(const DriveArguments& arguments, const Registries& registries) {
   base.real_time.emplace(RealTimeRun{faults});
   if (base.gazebo) {
     refuse_of_simulator(arguments);
-    return mission(logged, registries, base);
+    return mission(logged, in.registries, base, in.signals);
   }
   if (arguments.measure) {
     throw InputError("--measure: the simulator always measures; expected it with --base gazebo");
   }
-  return mission(logged, registries, base);
+  return mission(logged, in.registries, base, in.signals);
 }
 
 }  // namespace
@@ -104,7 +104,7 @@ Command drive_command(CLI::App& program) {
       ->allow_extra_args(false);
   return {command, [given](const Invocation& in) {
             given->mission.command_line = in.typed;
-            return drive(*given, in.registries);
+            return drive(*given, in);
           }};
 }
 

@@ -19,7 +19,6 @@
 #include "adapters/formats/files/content_hash.h"
 #include "adapters/formats/files/input_error.h"
 #include "adapters/formats/files/parse_number.h"
-#include "adapters/formats/worlds/load_world.h"
 #include "adapters/formats/worlds/world_hash.h"
 #include "adapters/missions/config/configuration.h"
 #include "adapters/missions/config/solver_options.h"
@@ -319,16 +318,6 @@ Configuration configuration_of(const ExploreArguments& arguments, const Registri
   return configuration;
 }
 
-std::shared_ptr<const World> loaded_world(const std::string& name,
-                                          const Configuration& configuration, Progress& progress) {
-  WorldOptions options = world_options_for(configuration);
-  options.progress = [&](const std::string& what) { progress.show(what); };
-  auto world = std::make_shared<const World>(load_world(name, options));
-  progress.finish();
-  tell_left_out(*world);
-  return world;
-}
-
 /// What has come of a mission; the files that were written are those of `folder`.
 void tell_result(const ExploreArguments& arguments, const ExplorationRunResult& result,
                  const std::string& folder) {
@@ -349,7 +338,7 @@ void tell_result(const ExploreArguments& arguments, const ExplorationRunResult& 
 }  // namespace
 
 int mission(const ExploreArguments& arguments, const Registries& registries,
-            const MissionBase& base) {
+            const MissionBase& base, SignalGuard& signals) {
   Configuration configuration = configuration_of(arguments, registries, base);
   if (tell_if_absent(configuration.solver, registries.solvers)) return kNotBuiltIn;
   set_world(arguments.reading, configuration);
@@ -397,6 +386,7 @@ int mission(const ExploreArguments& arguments, const Registries& registries,
   ShownProgress shown_progress(progress, configuration.solver);
   std::optional<SavedProblems> problems;
   options.observers = [&](const Configuration& effective) {
+    signals.note();  // from here on there is a run folder to end, and maybe a robot to stop
     if (arguments.live) {
       LiveMission shown{configured_record(effective), base.in_real_time(),
                         message_options(effective, base)};
@@ -435,7 +425,7 @@ int mission(const ExploreArguments& arguments, const Registries& registries,
     }
     return observers;
   };
-  options.cancelled = catch_interrupts();
+  options.cancelled = signals.came();
   ExplorationRunResult result = base.gazebo ? explore_gazebo(configuration, world, options)
                                 : base.dds  ? explore_dds(configuration, *base.dds, options)
                                             : run_exploration(world, configuration, options);
@@ -459,10 +449,10 @@ int mission(const ExploreArguments& arguments, const Registries& registries,
 
 namespace {
 
-int explore(const ExploreArguments& arguments, const Registries& registries) {
+int explore(const ExploreArguments& arguments, const Invocation& in) {
   ExploreArguments logged = arguments;
   logged.log = arguments.log || arguments.log_images;
-  return mission(logged, registries, {});
+  return mission(logged, in.registries, {}, in.signals);
 }
 
 }  // namespace
@@ -546,7 +536,7 @@ Command explore_command(CLI::App& program) {
                     "Log the mission to mission.mcap in the run folder, as drive does");
   return {command, [given](const Invocation& in) {
             given->command_line = in.typed;
-            return explore(*given, in.registries);
+            return explore(*given, in);
           }};
 }
 

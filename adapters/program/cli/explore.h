@@ -16,6 +16,8 @@ class App;
 
 namespace prospect {
 
+class SignalGuard;
+
 struct ExploreArguments {
   std::string world = "office";
   std::string configuration;          ///< file; empty: defaults
@@ -57,6 +59,6 @@ void add_mission_options(CLI::App* command, ExploreArguments& arguments);
 
 /// A mission, its run folder and summary. Returns the exit code.
 int mission(const ExploreArguments& arguments, const Registries& registries,
-            const MissionBase& base);
+            const MissionBase& base, SignalGuard& signals);
 
 }  // namespace prospect

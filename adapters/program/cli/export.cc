@@ -11,11 +11,13 @@
 
 #include "adapters/formats/files/input_error.h"
 #include "adapters/formats/files/output_folder.h"
-#include "adapters/formats/worlds/load_world.h"
+#include "adapters/formats/worlds/world.h"
 #include "adapters/missions/config/configuration.h"
 #include "adapters/missions/run/exploration_run.h"
 #include "adapters/program/cli/commands.h"
 #include "adapters/program/cli/common_options.h"
+#include "adapters/program/cli/interrupt.h"
+#include "adapters/program/cli/progress.h"
 #include "adapters/program/cli/world_arguments.h"
 #include "adapters/robots/gazebo/gazebo_world_file.h"
 #include "adapters/robots/gazebo/robot_in_world.h"
@@ -69,7 +71,8 @@ Files with_robot(const std::string& path, const World& world, const Configuratio
   return {{sdf.filename().string(), gazebo_world_with_robot(path, model, folder.string())}};
 }
 
-int export_world(const ExportArguments& arguments, const Registries& registries) {
+int export_world(const ExportArguments& arguments, const Registries& registries,
+                 SignalGuard& signals) {
   const fs::path sdf = arguments.sdf;
   const std::string name = sdf.stem().string();
   if (sdf.extension() != ".sdf" || name.empty() ||
@@ -80,17 +83,20 @@ int export_world(const ExportArguments& arguments, const Registries& registries)
   Configuration configuration =
       read_configuration(arguments.configuration, registries, arguments.settings);
   set_world(arguments.reading, configuration);
-  const World world = load_world(arguments.world, world_options_for(configuration));
-  tell_left_out(world);
+  Progress progress;
+  const std::shared_ptr<const World> world = loaded_world(arguments.world, configuration, progress);
+  progress.show("surfaces of " + arguments.world);
   configuration.simulator.seed = arguments.seed;
   const fs::path folder = sdf.has_parent_path() ? sdf.parent_path() : fs::path(".");
   Files files;
   try {
-    files = world.mesh ? with_robot(arguments.world, world, configuration, sdf)
-                       : files_of(world, configuration, name);
+    files = world->mesh ? with_robot(arguments.world, *world, configuration, sdf)
+                        : files_of(*world, configuration, name);
   } catch (const std::invalid_argument& error) {
     throw InputError(arguments.world + ": " + error.what());
   }
+  progress.finish();
+  signals.note();  // what is written now is written whole
   OutputFolder out = OutputFolder::beside(folder.string());
   std::vector<std::string> names;
   for (const auto& [file, content] : files) names.push_back(file);
@@ -127,7 +133,9 @@ Command export_command(CLI::App& program) {
   command->add_option("--seed", arguments.seed, "Of the marks on surfaces")
       ->check(whole_number_within(0, std::numeric_limits<std::uint64_t>::max()))
       ->capture_default_str();
-  return {command, [given](const Invocation& in) { return export_world(*given, in.registries); }};
+  return {command, [given](const Invocation& in) {
+            return export_world(*given, in.registries, in.signals);
+          }};
 }
 
 }  // namespace prospect

@@ -8,6 +8,7 @@
 #include "adapters/missions/recordings/inspection.h"
 #include "adapters/program/cli/commands.h"
 #include "adapters/program/cli/common_options.h"
+#include "adapters/program/cli/progress.h"
 
 namespace prospect {
 namespace {
@@ -23,7 +24,10 @@ int inspect(const InspectArguments& arguments) {
   Found found = Found::kUnknown;
   DepthDatasetOptions depth = arguments.depth;
   depth.topics = arguments.stereo.topics;
+  Progress progress;
+  progress.show("reading " + arguments.path);
   const auto json = inspect_path(arguments.path, arguments.stereo, depth, found);
+  progress.finish();
   std::cout << (arguments.json ? json.dump(2) + "\n" : inspection_text(json));
   return found == Found::kUsable ? kDone : found == Found::kIncomplete ? kFailed : kBadInput;
 }

@@ -26,6 +26,7 @@
 #include "adapters/missions/recordings/stereo_depth_source.h"
 #include "adapters/program/cli/commands.h"
 #include "adapters/program/cli/common_options.h"
+#include "adapters/program/cli/interrupt.h"
 #include "adapters/program/cli/progress.h"
 #include "perception/odometry/stereo_odometry_options.h"
 
@@ -65,8 +66,7 @@ struct MapInput {
   std::optional<double> depth_scale;          ///< none of scans and of stereo pairs
   std::optional<StereoDepthAccuracy> stereo;  ///< of stereo pairs
   std::string doubt;                          ///< what contradicts the depth scale; empty: nothing
-  std::function<MapRun(int frames, const std::function<void(int, const MapRunFrame&)>& progress)>
-      run;
+  std::function<MapRun(int frames, const MapRunWatch& watch)> run;
 };
 
 nlohmann::ordered_json as_json(const GroundRecord& r) {
@@ -326,8 +326,8 @@ MapInput depth_input(const MapArguments& arguments, const PerceptionOptions& per
   if (!stereo) input.depth_scale = dataset.depth_scale();
   input.stereo = dataset.stereo();
   if (dataset.depth_scale_doubtful()) input.doubt = dataset.notes().back();
-  input.run = [=, first = arguments.first](int frames, const auto& progress) {
-    return run_mapping(dataset, run_options, first, frames, progress);
+  input.run = [=, first = arguments.first](int frames, const MapRunWatch& watch) {
+    return run_mapping(dataset, run_options, first, frames, watch);
   };
   return input;
 }
@@ -365,8 +365,8 @@ MapInput scan_input(const MapArguments& arguments, const PerceptionOptions& perc
   input.notes.insert(input.notes.end(), placement.notes.begin(), placement.notes.end());
   if (!arguments.range) input.notes.push_back(range_note(options.map.max_range));
   input.without_pose = static_cast<int>(source.without_pose);
-  input.run = [=, first = arguments.first](int frames, const auto& progress) {
-    return run_scan_mapping(source, placement, options, first, frames, progress);
+  input.run = [=, first = arguments.first](int frames, const MapRunWatch& watch) {
+    return run_scan_mapping(source, placement, options, first, frames, watch);
   };
   return input;
 }
@@ -380,7 +380,9 @@ PerceptionOptions perception_of(const MapArguments& arguments, ConfigurationUse 
   return perception;
 }
 
-int map(const MapArguments& arguments) {
+int map(const MapArguments& arguments, SignalGuard& signals) {
+  Progress progress(arguments.quiet);
+  progress.show("reading " + arguments.dataset);
   const bool scans = is_used_for_scans(arguments.dataset, arguments.stereo.topics);
   const bool stereo =
       !scans && is_used_for_stereo_depth(arguments.dataset, arguments.stereo.topics);
@@ -399,21 +401,24 @@ int map(const MapArguments& arguments) {
   }
   MapInput input =
       scans ? scan_input(arguments, perception) : depth_input(arguments, perception, stereo);
+  progress.finish();
+  signals.note();
   std::optional<OutputFolder> out;
   if (!arguments.out.empty()) {
     out = OutputFolder::own(arguments.out, {"map"});
     out->begin({"ground.csv", "summary.json", "map.html", "map.bt", "exploration.png",
                 "exploration.yaml", "obstacles.png", "obstacles.yaml"});
   }
-  Progress progress(arguments.quiet);
   const int frames = frames_from(arguments.first, arguments.frames, input.size);
-  const MapRun run = input.run(frames, [&](int done, const MapRunFrame& frame) {
+  MapRunWatch watch{{}, signals.came()};
+  watch.progress = [&](int done, const MapRunFrame& frame) {
     progress.show(std::to_string(done) + " of " + std::to_string(frames) + " frames  " +
                   (scans                       ? ""
                    : frame.mapped.ground.found ? "ground found  "
                                                : "ground not found  ") +
                   std::string(to_string(frame.mapped.state)));
-  });
+  };
+  const MapRun run = input.run(frames, watch);
   progress.finish();
   input.notes.insert(input.notes.end(), run.notes.begin(), run.notes.end());
   const MapSummary summary = summarize(run);
@@ -445,7 +450,7 @@ int map(const MapArguments& arguments) {
       }
       written += name + " ";
     }
-    out->complete();
+    if (!run.cancelled) out->complete();
   }
   if (arguments.json) {
     std::cout << json.dump(2) << '\n';
@@ -455,6 +460,10 @@ int map(const MapArguments& arguments) {
     for (const std::string& note : input.notes) std::printf("note         %s\n", note.c_str());
     print(input, run, summary);
     if (out) std::printf("written to   %s: %s\n", out->path().c_str(), written.c_str());
+  }
+  if (run.cancelled) {
+    std::cerr << "prospect: " << cancelled_note(run.frames.size(), frames) << '\n';
+    return kCancelled;
   }
   if (!input.doubt.empty()) {
     std::cerr << "prospect: " << arguments.dataset << ": " << input.doubt
@@ -550,7 +559,7 @@ Command map_command(CLI::App& program) {
       ->check(whole_number_within(1, 1000000000));
   command->add_flag("--json", arguments.json, "Print the summary as JSON");
   command->add_flag("--quiet", arguments.quiet, "No progress line");
-  return {command, [given](const Invocation&) { return map(*given); }};
+  return {command, [given](const Invocation& in) { return map(*given, in.signals); }};
 }
 
 }  // namespace prospect

@@ -21,6 +21,7 @@
 #include "adapters/missions/recordings/recording_range.h"
 #include "adapters/program/cli/commands.h"
 #include "adapters/program/cli/common_options.h"
+#include "adapters/program/cli/interrupt.h"
 #include "adapters/program/cli/progress.h"
 
 namespace prospect {
@@ -147,33 +148,37 @@ void print(const OdometrySummary& s, bool truth) {
   row("  keyframes", s.processor_keyframe);
 }
 
-int odometry(const OdometryArguments& arguments) {
+int odometry(const OdometryArguments& arguments, SignalGuard& signals) {
   const StereoOdometryOptions options =
       read_perception(arguments.configuration, arguments.settings, {}, ConfigurationUse::kOdometry)
           .odometry;
+  Progress progress(arguments.quiet);
+  progress.show("reading " + arguments.dataset);
   const StereoDataset dataset = StereoDataset::open(arguments.dataset, arguments.options);
   check_first_frame(arguments.first, dataset.size(), arguments.dataset);
+  progress.finish();
+  signals.note();
   std::optional<OutputFolder> out;
   if (!arguments.out.empty()) {
     out = OutputFolder::own(arguments.out, {"odometry"});
     out->begin(
         {"trajectory.tum", "trajectory.kitti", "frames.csv", "odometry.html", "summary.json"});
   }
-  Progress progress(arguments.quiet);
   const int frames = frames_from(arguments.first, arguments.frames, dataset.size());
   std::optional<OdometryCalibration> calibration;
   if (arguments.calibrate) calibration.emplace(dataset.camera(), options);
   std::optional<OdometryPage> page;
   if (out) page.emplace(frames);
+  const auto observe = [&](const OdometryStep& step) {
+    const OdometryFrame& frame = step.frame;
+    if (calibration) calibration->add(step.odometry, frame, step.true_T_WC);
+    if (page) page->add(step);
+    progress.show(std::to_string(step.done) + " of " + std::to_string(frames) + " frames  " +
+                  std::to_string(frame.tracked) + " points  " +
+                  std::string(to_string(frame.state)));
+  };
   const OdometryRun run =
-      run_odometry(dataset, options, arguments.first, frames, [&](const OdometryStep& step) {
-        const OdometryFrame& frame = step.frame;
-        if (calibration) calibration->add(step.odometry, frame, step.true_T_WC);
-        if (page) page->add(step);
-        progress.show(std::to_string(step.done) + " of " + std::to_string(frames) + " frames  " +
-                      std::to_string(frame.tracked) + " points  " +
-                      std::string(to_string(frame.state)));
-      });
+      run_odometry(dataset, options, arguments.first, frames, observe, signals.came());
   progress.finish();
   const OdometrySummary summary = summarize(run);
   std::vector<std::string> notes = dataset.notes();
@@ -199,7 +204,7 @@ int odometry(const OdometryArguments& arguments) {
         return kFailed;
       }
     }
-    out->complete();
+    if (!run.cancelled) out->complete();
   }
   if (arguments.json) {
     std::cout << json.dump(2) << '\n';
@@ -210,6 +215,10 @@ int odometry(const OdometryArguments& arguments) {
     print(summary, !dataset.ground_truth().empty());
     if (calibrated) std::fputs(calibration_text(*calibrated).c_str(), stdout);
     if (out) std::printf("written to   %s\n", out->path().c_str());
+  }
+  if (run.cancelled) {
+    std::cerr << "prospect: " << cancelled_note(run.frames.size(), frames) << '\n';
+    return kCancelled;
   }
   if (!summary.truth_turns_wrong.empty()) {
     std::cerr << "prospect: " << arguments.dataset << ": " << summary.truth_turns_wrong << '\n';
@@ -271,7 +280,7 @@ Command odometry_command(CLI::App& program) {
                     "came of it");
   command->add_flag("--json", arguments.json, "Print the summary as JSON");
   command->add_flag("--quiet", arguments.quiet, "No progress line");
-  return {command, [given](const Invocation&) { return odometry(*given); }};
+  return {command, [given](const Invocation& in) { return odometry(*given, in.signals); }};
 }
 
 }  // namespace prospect

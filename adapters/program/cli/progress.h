@@ -11,7 +11,7 @@ namespace prospect {
 /// ended when this object is, or finish() is called. Nothing if `quiet`, or if that is no terminal.
 class Progress {
  public:
-  explicit Progress(bool quiet) : quiet_(quiet) {}
+  explicit Progress(bool quiet = false) : quiet_(quiet) {}
   ~Progress() { line_.finish(); }
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;

@@ -38,19 +38,20 @@ void complete_limits(BaseLimits& limits, const Configuration& configuration) {
   if (!limits.yaw_acceleration) limits.yaw_acceleration = of_motion("alpha_max");
 }
 
-int relay(const RelayArguments& arguments, const Registries& registries) {
+int relay(const RelayArguments& arguments, const Registries& registries, SignalGuard& signals) {
   DdsOptions options = read_dds_options(arguments.ros);
   BaseLimits& limits = options.command.limits;
   complete_limits(limits,
                   read_configuration(arguments.configuration, registries, arguments.settings));
+  signals.note();  // the motors are told to stop
   DdsRelay relay(options);
   std::cerr << "prospect relay: at most " << exact_text(*limits.speed) << " m/s, "
             << exact_text(*limits.yaw_rate) << " rad/s, " << exact_text(*limits.acceleration)
             << " m/s^2, " << exact_text(*limits.yaw_acceleration) << " rad/s^2; for "
             << exact_text(options.command.dead_man) << " s\n";
-  relay.run(catch_interrupts(),
+  relay.run(signals.came(),
             [](const std::string& line) { std::cerr << "prospect relay: " << line << '\n'; });
-  return kDone;
+  return kCancelled;
 }
 
 }  // namespace
@@ -69,7 +70,8 @@ Command relay_command(CLI::App& program) {
                    "file leaves out")
       ->type_name("FILE");
   add_set(command, arguments.settings);
-  return {command, [given](const Invocation& in) { return relay(*given, in.registries); }};
+  return {command,
+          [given](const Invocation& in) { return relay(*given, in.registries, in.signals); }};
 }
 
 }  // namespace prospect

@@ -19,7 +19,6 @@
 #include "adapters/formats/files/input_error.h"
 #include "adapters/formats/files/output_folder.h"
 #include "adapters/formats/files/whole_file.h"
-#include "adapters/formats/worlds/load_world.h"
 #include "adapters/formats/worlds/world_hash.h"
 #include "adapters/missions/config/solver_options.h"
 #include "adapters/missions/replay/drive_replay.h"
@@ -30,6 +29,7 @@
 #include "adapters/program/cli/common_options.h"
 #include "adapters/program/cli/interrupt.h"
 #include "adapters/program/cli/progress.h"
+#include "adapters/program/cli/world_arguments.h"
 #include "models/range_text.h"
 
 namespace prospect {
@@ -75,10 +75,7 @@ class TemporaryFolder {
 /// The world of a run: as it was then, or refused.
 std::shared_ptr<const World> world_of(const RecordedRun& run, const std::string& source,
                                       const Configuration& configuration, Progress& progress) {
-  WorldOptions options = world_options_for(configuration);
-  options.progress = [&](const std::string& what) { progress.show(what); };
-  auto world = std::make_shared<const World>(load_world(source, options));
-  progress.finish();
+  std::shared_ptr<const World> world = loaded_world(source, configuration, progress);
   const std::string hash = hash_text(world_hash(*world));
   if (!run.world_hash.empty() && run.world_hash != hash) {
     throw InputError(source + ": holds another world than that of " + run.source +
@@ -89,7 +86,8 @@ std::shared_ptr<const World> world_of(const RecordedRun& run, const std::string&
 
 /// The whole mission once more, by a process of its own, as explore drives it.
 int replay_unchanged(const RecordedRun& run, const std::string& world,
-                     const ReplayArguments& arguments, Progress& progress) {
+                     const ReplayArguments& arguments, Progress& progress, SignalGuard& signals) {
+  signals.note();
   const TemporaryFolder folder;
   const std::string configuration = folder.file("config.yaml"), out = folder.file("run"),
                     log = folder.file("log.txt");
@@ -101,7 +99,7 @@ int replay_unchanged(const RecordedRun& run, const std::string& world,
   if (run.log) words.push_back("--mcap");
   for (const std::string& plugin : arguments.plugins)
     words.insert(words.end(), {"--plugin", plugin});
-  const std::function<bool()> cancelled = catch_interrupts();
+  const std::function<bool()> cancelled = signals.came();
   ChildProcess process(words, {.errors = log});
   std::optional<ChildProcess::End> end;
   while (!(end = process.ended())) {
@@ -139,11 +137,8 @@ int replay_unchanged(const RecordedRun& run, const std::string& world,
   return kDone;
 }
 
-Configuration other_configuration(const RecordedRun& run, const TemporaryFolder& folder,
-                                  const ReplayArguments& arguments, const Registries& registries) {
-  const std::string file = folder.file("config.yaml");
-  const std::string wrong = write_whole_file(file, run.configuration);
-  if (!wrong.empty()) fail(file, "cannot be written (" + wrong + "); expected room");
+Configuration other_configuration(const RecordedRun& run, const ReplayArguments& arguments,
+                                  const Registries& registries) {
   std::vector<std::string> settings = arguments.settings;
   for (const std::string& setting : settings) {
     if (!setting.starts_with("planner.")) {
@@ -157,7 +152,8 @@ Configuration other_configuration(const RecordedRun& run, const TemporaryFolder&
     if (!unknown.empty()) throw InputError("--solver: " + unknown);
     settings.push_back("planner.solver=\"" + arguments.solver + "\"");
   }
-  return read_configuration(file, registries, settings);
+  return configuration_from_text(run.configuration, run.source + ": configuration", registries,
+                                 settings);
 }
 
 /// Where table and page go.
@@ -196,25 +192,26 @@ void write_replay(const RecordedRun& run, const Replay& replay, const ReplayArgu
 }
 
 int replay_changed(const RecordedRun& run, const std::string& source,
-                   const ReplayArguments& arguments, const Registries& registries,
-                   Progress& progress) {
-  const TemporaryFolder temporary;
+                   const ReplayArguments& arguments, const Invocation& in, Progress& progress) {
+  const Registries& registries = in.registries;
   const Configuration configuration =
       configuration_from_text(run.configuration, run.source + ": configuration", registries);
-  const Configuration other = other_configuration(run, temporary, arguments, registries);
+  const Configuration other = other_configuration(run, arguments, registries);
   for (const Configuration* c : {&configuration, &other}) {
     if (tell_if_absent(c->solver, registries.solvers)) return kNotBuiltIn;
   }
   const std::shared_ptr<const World> world = world_of(run, source, configuration, progress);
+  in.signals.note();
   OutputFolder folder = replay_folder(run, arguments);
   ReplayOptions options;
   options.from = arguments.from;
   options.to = arguments.to;
   options.solvers = &registries.solvers;
-  options.cancelled = catch_interrupts();
+  options.cancelled = in.signals.came();
   options.progress = [&](const StepRecord& step) { progress.show(step, other.solver); };
   const Replay replay = replay_beside(run, world, configuration, other, options);
   progress.finish();
+  if (options.cancelled()) return kCancelled;
   write_replay(run, replay, arguments, folder);
   if (replay.difference.step >= 0) {
     std::printf("%s: step %d differs: %s; not replayed from there on\n", run.source.c_str(),
@@ -226,12 +223,12 @@ int replay_changed(const RecordedRun& run, const std::string& source,
 
 /// A run in real time: its planner's calls once more, as recorded, and by another planner.
 int replay_drive(const RecordedRun& run, bool unchanged, const ReplayArguments& arguments,
-                 const Registries& registries, Progress& progress) {
+                 const Invocation& in, Progress& progress) {
+  const Registries& registries = in.registries;
   if (!arguments.world.empty()) {
     throw InputError("--world: a run in real time is not driven again; expected none");
   }
-  const TemporaryFolder temporary;
-  const Configuration configuration = other_configuration(run, temporary, arguments, registries);
+  const Configuration configuration = other_configuration(run, arguments, registries);
   if (tell_if_absent(configuration.solver, registries.solvers)) return kNotBuiltIn;
   if (unchanged && configuration.planner.deadline > 0.0) {
     throw InputError(run.source + ": planned within planner.deadline, " +
@@ -239,12 +236,13 @@ int replay_drive(const RecordedRun& run, bool unchanged, const ReplayArguments& 
                      " s, so its plans rest on the clock; expected what to plan anew with, such as "
                      "--set planner.deadline=0");
   }
+  in.signals.note();
   std::optional<OutputFolder> folder;
   if (!unchanged) folder = replay_folder(run, arguments);
   ReplayOptions options;
   options.from = arguments.from;
   options.to = arguments.to;
-  options.cancelled = catch_interrupts();
+  options.cancelled = in.signals.came();
   options.progress = [&](const StepRecord& step) { progress.show(step, configuration.solver); };
   const DriveReplay made = replay_calls(run, configuration, registries, options);
   progress.finish();
@@ -267,23 +265,25 @@ int replay_drive(const RecordedRun& run, bool unchanged, const ReplayArguments& 
   return differs || !made.missing.empty() ? kFailed : kDone;
 }
 
-int replay(const ReplayArguments& arguments, const Registries& registries) {
+int replay(const ReplayArguments& arguments, const Invocation& in) {
   if (arguments.from > arguments.to) {
     throw InputError("--from, --to: " + std::to_string(arguments.from) + " comes after " +
                      std::to_string(arguments.to) + "; expected the first step, then the last");
   }
-  const RecordedRun run = read_recorded_run(arguments.run, registries);
-  const std::string world = arguments.world.empty() ? run.world_source : arguments.world;
   Progress progress(arguments.quiet);
+  progress.show("reading " + arguments.run);
+  const RecordedRun run = read_recorded_run(arguments.run, in.registries);
+  progress.finish();
+  const std::string world = arguments.world.empty() ? run.world_source : arguments.world;
   const bool unchanged = arguments.settings.empty() && arguments.solver.empty() &&
                          arguments.from == 0 && arguments.to == ReplayArguments::kToTheEnd;
-  if (run.real_time) return replay_drive(run, unchanged, arguments, registries, progress);
-  if (!unchanged) return replay_changed(run, world, arguments, registries, progress);
+  if (run.real_time) return replay_drive(run, unchanged, arguments, in, progress);
+  if (!unchanged) return replay_changed(run, world, arguments, in, progress);
   const Configuration configuration =
-      configuration_from_text(run.configuration, run.source + ": configuration", registries);
-  if (tell_if_absent(configuration.solver, registries.solvers)) return kNotBuiltIn;
+      configuration_from_text(run.configuration, run.source + ": configuration", in.registries);
+  if (tell_if_absent(configuration.solver, in.registries.solvers)) return kNotBuiltIn;
   world_of(run, world, configuration, progress);
-  return replay_unchanged(run, world, arguments, progress);
+  return replay_unchanged(run, world, arguments, progress, in.signals);
 }
 
 }  // namespace
@@ -314,7 +314,7 @@ Command replay_command(CLI::App& program) {
   return {command, [given](const Invocation& in) {
             given->plugins = in.plugins;
             given->program = in.program;
-            return replay(*given, in.registries);
+            return replay(*given, in);
           }};
 }
 

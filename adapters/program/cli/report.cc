@@ -14,6 +14,8 @@
 #include "adapters/missions/log/logged_run.h"
 #include "adapters/program/cli/commands.h"
 #include "adapters/program/cli/common_options.h"
+#include "adapters/program/cli/interrupt.h"
+#include "adapters/program/cli/progress.h"
 #include "adapters/views/report/figure_source.h"
 
 namespace prospect {
@@ -47,14 +49,20 @@ OutputFolder folder_for(const std::string& out, const std::string& source) {
 }
 
 /// The page of a mission's log, beside it: RUN.mcap gives RUN.html.
-int report_log(const ReportArguments& arguments, const Registries& registries) {
+int report_log(const ReportArguments& arguments, const Registries& registries,
+               SignalGuard& signals) {
   const std::filesystem::path path = arguments.run;
   if (!arguments.figures.empty() || !arguments.color.empty()) {
     throw InputError("--figure and --colour are of a run's folder; " + arguments.run +
                      " is a log, expected it alone");
   }
+  Progress progress;
+  progress.show("reading " + arguments.run);
   const LoggedRun run = read_logged_run(arguments.run, registries);
+  progress.show("drawing the page of " + arguments.run);
   const std::string page = render_report(run.record);
+  progress.finish();
+  signals.note();  // what is written now is written whole
   OutputFolder out = folder_for(arguments.out, path.parent_path().string());
   write(out, path.stem().string() + ".html", page);
   for (const std::string& note : run.notes) std::printf("%s\n", note.c_str());
@@ -63,9 +71,11 @@ int report_log(const ReportArguments& arguments, const Registries& registries) {
 
 std::vector<std::string> path_colors() { return {"plain", "features", "error", "speed", "mode"}; }
 
-int report(const ReportArguments& arguments, const Registries& registries) {
+int report(const ReportArguments& arguments, const Registries& registries, SignalGuard& signals) {
   namespace fs = std::filesystem;
-  if (fs::path(arguments.run).extension() == ".mcap") return report_log(arguments, registries);
+  if (fs::path(arguments.run).extension() == ".mcap") {
+    return report_log(arguments, registries, signals);
+  }
   if (arguments.figures.empty()) {
     throw InputError("report: no figure named; expected --figure path, map or path,map (" +
                      (fs::path(arguments.run) / "report.html").string() +
@@ -79,6 +89,8 @@ int report(const ReportArguments& arguments, const Registries& registries) {
   const std::vector<std::string> colors = path_colors();
   const auto by =
       static_cast<PathColor>(std::find(colors.begin(), colors.end(), color) - colors.begin());
+  Progress progress;
+  progress.show("reading " + arguments.run);
   const FigureSource source =
       read_figure_source(arguments.run, path ? std::optional(by) : std::nullopt, map, registries);
 
@@ -90,7 +102,9 @@ int report(const ReportArguments& arguments, const Registries& registries) {
   };
   if (path) add("path", path_figure(source.map ? &*source.map : nullptr, *source.path));
   if (map) add("map", map_figure(*source.map));
+  progress.finish();
 
+  signals.note();
   OutputFolder out = folder_for(arguments.out, arguments.run);
   for (const auto& [name, content] : files) write(out, name, content);
   if (path && !source.map) {
@@ -123,7 +137,8 @@ Command report_command(CLI::App& program) {
          path_colors());
   command->add_option("--out", arguments.out, "Folder to write to [that of the run or log]")
       ->type_name("DIR");
-  return {command, [given](const Invocation& in) { return report(*given, in.registries); }};
+  return {command,
+          [given](const Invocation& in) { return report(*given, in.registries, in.signals); }};
 }
 
 }  // namespace prospect

@@ -16,7 +16,6 @@
 
 #include "adapters/formats/files/input_error.h"
 #include "adapters/formats/problem_file/problem_file.h"
-#include "adapters/formats/worlds/load_world.h"
 #include "adapters/missions/config/configuration.h"
 #include "adapters/missions/run/exploration_run.h"
 #include "adapters/program/cli/commands.h"
@@ -112,11 +111,9 @@ class StepCapture final : public RunObserver {
   Progress& progress_;
 };
 
-/// Runs the mission up to that planning step and takes the problem it meets there; none if it was
-/// cancelled before.
+/// Runs the mission up to that planning step and takes the problem it meets there.
 NamedProblem capture(const Capture& wanted, const Configuration& configuration,
-                     const Registries& registries, std::uint64_t seed, Progress& progress,
-                     const std::function<bool()>& cancelled) {
+                     const Registries& registries, std::uint64_t seed, Progress& progress) {
   NamedProblem named{wanted.name, nullptr, {}};
   StepCapture taken(wanted, named, progress);
   ExplorationRunOptions options;
@@ -124,14 +121,14 @@ NamedProblem capture(const Capture& wanted, const Configuration& configuration,
   options.keep_steps = false;
   options.solvers = &registries.solvers;
   options.observers = [&](const Configuration&) { return std::vector<RunObserver*>{&taken}; };
-  options.cancelled = [&] { return taken.steps_done > wanted.step || cancelled(); };
+  options.cancelled = [&] { return taken.steps_done > wanted.step; };
   run_exploration(wanted.world, configuration, options);
   progress.finish();
   if (!taken.no_problem.empty()) {
     throw InputError("problem '" + wanted.name + "': the step has none: " + taken.no_problem +
                      "; expected another step");
   }
-  if (!named.problem && !cancelled()) {
+  if (!named.problem) {
     throw InputError("problem '" + wanted.name + "': the mission ends after " +
                      std::to_string(taken.steps_done) + " steps; expected a step before that");
   }
@@ -189,7 +186,7 @@ void print_table(const NamedProblem& named,
   std::printf("\n");
 }
 
-int solve(const SolveArguments& arguments, const Registries& registries) {
+int solve(const SolveArguments& arguments, const Registries& registries, SignalGuard& signals) {
   Configuration configuration = read_configuration(arguments.configuration, registries,
                                                    arguments.settings, ConfigurationUse::kExplore);
   std::vector<std::string> names = arguments.solvers;
@@ -210,12 +207,7 @@ int solve(const SolveArguments& arguments, const Registries& registries) {
     problems.push_back(step < 0 ? load(text, registries.terms) : NamedProblem{text, nullptr, {}});
     captures.push_back({text, nullptr, step});
     if (step < 0) continue;
-    WorldOptions world_options = world_options_for(configuration);
-    world_options.progress = [&](const std::string& what) { progress.show(what); };
-    const World world = load_world(text.substr(0, text.rfind('@')), world_options);
-    progress.finish();
-    tell_left_out(world);
-    captures.back().world = std::make_shared<const World>(world);
+    captures.back().world = loaded_world(text.substr(0, text.rfind('@')), configuration, progress);
   }
   const bool driven =
       std::any_of(captures.begin(), captures.end(), [](const Capture& c) { return c.step >= 0; });
@@ -223,18 +215,13 @@ int solve(const SolveArguments& arguments, const Registries& registries) {
     throw InputError(
         "--config and --set: of no effect on problem files; expected a WORLD@STEP among them");
   }
-  // Not before: until here an interrupt ends the program at once.
-  const std::function<bool()> cancelled = catch_interrupts();
   for (std::size_t k = 0; k < problems.size(); ++k) {
     if (captures[k].step < 0) continue;
-    problems[k] =
-        capture(captures[k], configuration, registries, arguments.seed, progress, cancelled);
-    if (!problems[k].problem) {
-      std::cerr << "prospect: cancelled; nothing is solved\n";
-      return kCancelled;
-    }
+    problems[k] = capture(captures[k], configuration, registries, arguments.seed, progress);
   }
 
+  signals.note();  // not before: until here nothing is solved
+  const std::function<bool()> cancelled = signals.came();
   bool any_feasible = false, all_absent = true;
   nlohmann::ordered_json json = nlohmann::ordered_json::array();
   for (const NamedProblem& named : problems) {
@@ -311,7 +298,8 @@ Command solve_command(CLI::App& program) {
       ->capture_default_str();
   command->add_flag("--json", arguments.json, "Print JSON");
   command->add_flag("--quiet", arguments.quiet, "No progress line");
-  return {command, [given](const Invocation& in) { return solve(*given, in.registries); }};
+  return {command,
+          [given](const Invocation& in) { return solve(*given, in.registries, in.signals); }};
 }
 
 }  // namespace prospect

@@ -125,7 +125,7 @@ int gather(const StudyPlan& plan, const CellStore& store, const Registries& regi
   return written.failed == 0 && written.missing == 0 ? kDone : kFailed;
 }
 
-int study(const StudyArguments& arguments, const Registries& registries) {
+int study(const StudyArguments& arguments, const Registries& registries, SignalGuard& signals) {
   const StudyShard shard = shard_of(arguments.shard);
   const Study read = read_study(arguments.file);
   const BuildInfo build = build_info();
@@ -148,6 +148,7 @@ int study(const StudyArguments& arguments, const Registries& registries) {
     std::cerr << "prospect: built from files that differ from the commit: cells of other such "
                  "builds count as the same\n";
   }
+  if (!arguments.gather) signals.note();  // what is gathered is there the next time, too
   const CellStore store(folder, read.kind);
   if (arguments.gather) {
     return gather(plan, store, registries, {arguments.steps, arguments.any_version});
@@ -160,7 +161,7 @@ int study(const StudyArguments& arguments, const Registries& registries) {
   options.plugins = arguments.plugins;
   options.version = build.version + (build.commit.empty() ? "" : "+" + build.commit.substr(0, 12)) +
                     (build.commit_changed ? "-changed" : "");
-  options.cancelled = catch_interrupts();
+  options.cancelled = signals.came();
   options.progress = [&](const StudyProgress& p) {
     progress.show(read.name + ": " + std::to_string(p.done + p.failed) + " of " +
                   std::to_string(p.cells) + " cells" +
@@ -230,7 +231,7 @@ Command study_command(CLI::App& program) {
   return {command, [given](const Invocation& in) {
             given->plugins = in.plugins;
             given->program = in.program;
-            return study(*given, in.registries);
+            return study(*given, in.registries, in.signals);
           }};
 }
 

@@ -1,8 +1,12 @@
 #include "adapters/program/cli/world_arguments.h"
 
 #include <cmath>
+#include <iostream>
 
+#include "adapters/formats/worlds/load_world.h"
 #include "adapters/missions/config/configuration.h"
+#include "adapters/missions/run/exploration_run.h"
+#include "adapters/program/cli/progress.h"
 #include "models/range_text.h"
 
 namespace prospect {
@@ -39,9 +43,18 @@ void set_world(const WorldArguments& arguments, Configuration& configuration) {
   }
 }
 
-void tell_left_out(const World& world) {
-  if (world.left_out.empty()) return;
-  std::cerr << "prospect: " << world.name << ": read without: " << world.left_out.text() << '\n';
+std::shared_ptr<const World> loaded_world(const std::string& name,
+                                          const Configuration& configuration, Progress& progress) {
+  WorldOptions options = world_options_for(configuration);
+  options.progress = [&](const std::string& what) { progress.show(what); };
+  progress.show("reading " + name);
+  auto world = std::make_shared<const World>(load_world(name, options));
+  progress.finish();
+  if (!world->left_out.empty()) {
+    std::cerr << "prospect: " << world->name << ": read without: " << world->left_out.text()
+              << '\n';
+  }
+  return world;
 }
 
 }  // namespace prospect

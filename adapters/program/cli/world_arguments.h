@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -7,6 +8,7 @@
 namespace prospect {
 
 struct Configuration;
+class Progress;
 struct World;
 
 /// What the command line says of how a world is read.
@@ -22,7 +24,9 @@ struct WorldArguments {
 
 /// Above what the configuration says.
 void set_world(const WorldArguments& arguments, Configuration& configuration);
-/// One line on standard error of what the world's source holds besides, if anything.
-void tell_left_out(const World& world);
+/// A world by name or path, for a mission of this configuration. One line on standard error says
+/// what its source holds besides, if anything. Throws as load_world().
+std::shared_ptr<const World> loaded_world(const std::string& name,
+                                          const Configuration& configuration, Progress& progress);
 
 }  // namespace prospect

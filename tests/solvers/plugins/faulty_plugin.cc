@@ -1,9 +1,11 @@
 // A plug-in with one fault, which the environment variable PROSPECT_TEST_FAULT names at the moment
 // when its entry point is called.
+#include <chrono>
 #include <cstdlib>
 #include <limits>
 #include <stdexcept>
 #include <string>
+#include <thread>
 
 #include "solvers/options.h"
 #include "solvers/plugin.h"
@@ -90,6 +92,7 @@ const prospect::Plugin* prospect_plugin() {
   const std::string f = fault();
   if (f == "entry throws") throw std::runtime_error("no licence");
   if (f == "entry throws a number") throw 42;
+  if (f == "entry takes long") std::this_thread::sleep_for(std::chrono::seconds(30));
   if (f == "entry returns nothing") return nullptr;
   if (f == "interface") {
     // Of another version, whose struct is another one: nothing after the number may be read.
