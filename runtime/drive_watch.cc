@@ -42,12 +42,14 @@ DriveFacts DriveWatch::facts(const DriveObservation& seen) {
   facts.obstacle = seen.obstacle;
   facts.jumped_clock = seen.jumped_clock;
 
-  facts.base_silent = !base.connected || !(now - base.stamp <= options_.max_silence);
+  const bool is_new = base.connected && heard_ != base.stamp;
+  if (is_new) heard_ = base.stamp;
+  facts.base_silent = !heard_ || !(now - *heard_ <= options_.max_silence);
   if (!base.faults.empty()) facts.base_fault = base.faults.front();
   const double speed = base.velocity.linear.norm(), rate = std::abs(base.velocity.yaw_rate);
-  facts.rest_for =
-      lasting(!facts.base_silent && speed <= options_.rest_speed && rate <= options_.rest_rate, now,
-              resting_since_);
+  facts.rest_for = lasting(base.connected && !facts.base_silent && speed <= options_.rest_speed &&
+                               rate <= options_.rest_rate,
+                           now, resting_since_);
   double told_speed = 0.0, told_rate = 0.0;
   for (std::size_t k = 0; k < seen.sent.size(); ++k) {
     const bool newest = k + 1 == seen.sent.size();
@@ -57,7 +59,9 @@ DriveFacts DriveWatch::facts(const DriveObservation& seen) {
   }
   const bool strays = base.connected && (!(speed <= told_speed + options_.stray_speed) ||
                                          !(rate <= told_rate + options_.stray_rate));
-  facts.uncommanded_motion = lasting(strays, now, straying_since_) >= options_.stray_time && strays;
+  if (is_new) strays ? straying_.bad("it strays") : straying_.good();
+  facts.uncommanded_motion =
+      lasting(strays, now, straying_since_) >= options_.stray_time && straying_.is_bad();
 
   facts.stale_source = seen.belief ? seen.stale_source : "no belief yet";
   facts.live_for = lasting(facts.stale_source.empty() && !facts.base_silent, now, live_since_);

@@ -9,6 +9,7 @@
 #include "runtime/base.h"
 #include "runtime/drive_mode.h"
 #include "runtime/predicted_belief.h"
+#include "runtime/sample_judge.h"
 #include "runtime/supervisor.h"
 
 namespace prospect {
@@ -51,7 +52,9 @@ struct DriveObservation {
 /// remembers since when what is so has been so. No judgement of its own, but for what counts as
 /// rest, as silence and as motion that nobody has asked for:
 ///   the base strays if it measures a velocity that exceeds the largest of the commands of the last
-///   settle_time by stray_speed or stray_rate, for stray_time.
+///   settle_time by stray_speed or stray_rate, for stray_time and in several of its reports;
+///   it is silent if no report of one that is connected came for max_silence.
+/// One bad report decides nothing (sample_judge.h).
 /// Thread-safety: one thread. The constructor throws std::invalid_argument on options out of range.
 class DriveWatch {
  public:
@@ -61,6 +64,8 @@ class DriveWatch {
  private:
   DriveWatchOptions options_;
   std::optional<double> resting_since_, live_since_, localized_since_, straying_since_;
+  std::optional<double> heard_;  // [s] stamp of the newest report of a base that is connected
+  SampleJudge straying_;         // of its reports
 };
 
 }  // namespace prospect

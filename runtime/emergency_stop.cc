@@ -8,6 +8,11 @@
 #include "models/formatted.h"
 
 namespace prospect {
+namespace {
+
+constexpr double kMoment = 0.2;  // [s] that a look may miss who is there
+
+}  // namespace
 
 EmergencyStopInput::EmergencyStopInput(std::string name, const EmergencyStopContract& contract)
     : name_(std::move(name)), contract_(contract) {
@@ -32,9 +37,10 @@ void EmergencyStopInput::told(std::uint64_t publisher, bool pressed, double now)
   words_[publisher] = {now, pressed};
 }
 
-void EmergencyStopInput::set_present(std::span<const std::uint64_t> publishers) {
+void EmergencyStopInput::set_present(std::span<const std::uint64_t> publishers, double now) {
   const std::lock_guard lock(mutex_);
-  present_.assign(publishers.begin(), publishers.end());
+  std::erase_if(present_, [&](const auto& one) { return now - one.second > kMoment; });
+  for (const std::uint64_t publisher : publishers) present_[publisher] = now;
 }
 
 EmergencyStopState EmergencyStopInput::state(double now) const {
@@ -45,9 +51,10 @@ EmergencyStopState EmergencyStopInput::state(double now) const {
     const std::lock_guard lock(mutex_);
     for (const auto& [publisher, word] : words_) {
       newest = std::max(newest, word.stamp);
-      const bool is_there = contract_.latched ? std::find(present_.begin(), present_.end(),
-                                                          publisher) != present_.end()
-                                              : now - word.stamp <= contract_.max_age;
+      const auto seen = present_.find(publisher);
+      const bool is_there = contract_.latched
+                                ? seen != present_.end() && now - seen->second <= kMoment
+                                : now - word.stamp <= contract_.max_age;
       if (!is_there) continue;
       ++there;
       state.pressed = state.pressed || word.pressed;

@@ -38,8 +38,9 @@ class EmergencyStopInput {
   /// One of them says whether it presses, at `now` [s] of the runtime's clock. publisher: tells
   /// them apart.
   void told(std::uint64_t publisher, bool pressed, double now);
-  /// All that are there now, which is asked where the contract is a latched one. Until then nobody.
-  void set_present(std::span<const std::uint64_t> publishers);
+  /// All that are there at `now`, which is asked where the contract is a latched one. Until then
+  /// nobody. One look that misses somebody decides nothing: who was there 0.2 s ago is there.
+  void set_present(std::span<const std::uint64_t> publishers, double now);
   EmergencyStopState state(double now) const;
   const std::string& name() const { return name_; }
 
@@ -51,8 +52,8 @@ class EmergencyStopInput {
   const std::string name_;
   const EmergencyStopContract contract_;
   mutable std::mutex mutex_;
-  std::map<std::uint64_t, Word> words_;  // the newest of each
-  std::vector<std::uint64_t> present_;
+  std::map<std::uint64_t, Word> words_;      // the newest of each
+  std::map<std::uint64_t, double> present_;  // [s] when each was there
 };
 
 }  // namespace prospect

@@ -51,13 +51,27 @@ std::function<RangeCheck(const Twist&, double)> range_check(const SensorInbox& i
   return [&](const Twist& command, double now) {
     const NewestRanges newest = inbox.ranges();
     RangeCheck look;
-    const auto ask = [&](const RangeFrame& frame) {
-      const RangeStopVerdict verdict = stop.check(frame, command, now);
+    const auto shows_nothing = [](const RangeStopVerdict& verdict) {
+      return verdict.reason == RangeStopReason::kTooFewRanges ||
+             verdict.reason == RangeStopReason::kOutOfView;
+    };
+    const auto ask = [&](const RangeFrame& frame, const RangeFrame& before) {
+      RangeStopVerdict verdict = stop.check(frame, command, now);
+      if (shows_nothing(verdict) && !before.rays.empty()) {
+        const RangeStopVerdict then = stop.check(before, command, now);
+        if (then.share > verdict.share) verdict = then;
+      }
       look.share = std::min(look.share, verdict.share);
       if (!verdict.may_go_on() && look.obstacle.empty()) look.obstacle = verdict.text;
     };
-    if (newest.depth.image) ask(range_frame(newest.depth, camera));
-    if (newest.scan.in_B) ask(range_frame(newest.scan));
+    if (newest.depth.image) {
+      ask(range_frame(newest.depth, camera),
+          newest.depth_before.image ? range_frame(newest.depth_before, camera) : RangeFrame());
+    }
+    if (newest.scan.in_B) {
+      ask(range_frame(newest.scan),
+          newest.scan_before.in_B ? range_frame(newest.scan_before) : RangeFrame());
+    }
     return look;
   };
 }

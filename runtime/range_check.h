@@ -32,8 +32,9 @@ RangeFrame range_frame(const DepthFrame& depth, const RangeCamera& camera);
 RangeFrame range_frame(const ScanFrame& scan);
 
 /// Asks `stop` of the newest depth image and scan in the inbox, each if there has been any, and
-/// takes the smaller share. All outlive what is returned. Thread-safety: as RangeStop and
-/// SensorInbox, so any thread.
+/// takes the smaller share. One look that shows nothing where the body drives decides nothing: the
+/// one before it is asked, as old as it is. All outlive what is returned. Thread-safety: as
+/// RangeStop and SensorInbox, so any thread.
 std::function<RangeCheck(const Twist& command, double now)> range_check(const SensorInbox& inbox,
                                                                         const RangeStop& stop,
                                                                         const RangeCamera& camera);

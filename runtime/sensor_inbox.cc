@@ -252,7 +252,9 @@ void SensorInbox::add(DepthFrame frame) {
       return drop(at(SensorStream::kDepth).count, &StreamCount::refused, "the image is empty");
     }
     frame.stamp = *at_capture;
-    if (!ranges_.depth.image || frame.stamp >= ranges_.depth.stamp) ranges_.depth = frame;
+    if (!ranges_.depth.image || frame.stamp >= ranges_.depth.stamp) {
+      ranges_.depth_before = std::exchange(ranges_.depth, frame);
+    }
     put(SensorStream::kDepth, std::move(frame));
   }
   came_.notify_one();
@@ -271,7 +273,9 @@ void SensorInbox::add(ScanFrame frame) {
       return drop(at(SensorStream::kScan).count, &StreamCount::refused, "the scan is empty");
     }
     frame.stamp = *at_capture;
-    if (!ranges_.scan.in_B || frame.stamp >= ranges_.scan.stamp) ranges_.scan = frame;
+    if (!ranges_.scan.in_B || frame.stamp >= ranges_.scan.stamp) {
+      ranges_.scan_before = std::exchange(ranges_.scan, frame);
+    }
     put(SensorStream::kScan, std::move(frame));
   }
   came_.notify_one();

@@ -41,10 +41,11 @@ struct CameraContent {
   std::shared_ptr<const Belief> estimate;
 };
 
-/// The newest raw ranges, for who looks at them without perception. Null: none has come so far.
+/// The newest raw ranges, and those before them, for who looks at them without perception. Null:
+/// none has come so far.
 struct NewestRanges {
-  DepthFrame depth;
-  ScanFrame scan;
+  DepthFrame depth, depth_before;
+  ScanFrame scan, scan_before;
 };
 
 struct SensorInboxOptions {

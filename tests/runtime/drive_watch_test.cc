@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -68,8 +69,39 @@ TEST_F(DriveWatchTest, ABaseThatIsSilentIsNotAtRest) {
   EXPECT_TRUE(facts.base_silent);
   EXPECT_EQ(facts.rest_for, 0.0);
   silent_ = false;
+  EXPECT_FALSE(at(10.7).base_silent);
   base_.connected = false;
-  EXPECT_TRUE(at(10.7).base_silent);
+  EXPECT_FALSE(at(10.75).base_silent) << "one report that says so decides nothing";
+  EXPECT_EQ(at(10.8).rest_for, 0.0) << "but it may be on its way";
+  base_.connected = true;
+  EXPECT_FALSE(at(10.85).base_silent);
+  base_.connected = false;
+  at(11.1);
+  EXPECT_TRUE(at(11.4).base_silent);
+  EXPECT_TRUE(DriveWatch().facts(seen_).base_silent) << "it was never there";
+}
+
+// A base that reports rarely: what one report says lasts as long as a fault.
+TEST_F(DriveWatchTest, OneReportOfAMotionThatNobodyAskedForDecidesNothing) {
+  for (const double speed : {5.0, std::nan("")}) {
+    base_.stamp += 1.0;
+    silent_ = true;
+    base_.velocity.linear.x() = speed;
+    const double begin = seen_.now + 1.0;
+    for (double now = begin; now < begin + 0.5; now += 0.05) {
+      EXPECT_FALSE(at(now).uncommanded_motion) << now;
+    }
+    base_.velocity.linear.x() = 0.0;
+    base_.stamp = seen_.now;
+    EXPECT_FALSE(at(begin + 0.5).uncommanded_motion);
+    silent_ = false;
+    at(begin + 0.6);
+    base_.velocity.linear.x() = speed;
+    for (double now = begin + 0.7; now < begin + 1.2; now += 0.05) at(now);
+    EXPECT_TRUE(at(begin + 1.2).uncommanded_motion) << "several do";
+    base_.velocity.linear.x() = 0.0;
+    for (double now = begin + 1.3; now < begin + 2.0; now += 0.05) at(now);
+  }
 }
 
 TEST_F(DriveWatchTest, MotionThatNobodyAskedFor) {
@@ -85,6 +117,7 @@ TEST_F(DriveWatchTest, MotionThatNobodyAskedFor) {
   EXPECT_FALSE(at(11.7).uncommanded_motion);
   base_.velocity.yaw_rate = -1.0;
   at(11.8);
+  at(12.0);
   EXPECT_TRUE(at(12.3).uncommanded_motion);
 }
 

@@ -50,13 +50,16 @@ TEST(EmergencyStop, ALatchedOneIsThereAsLongAsItsPublisherIs) {
   stop.told(7, false, 10.0);
   EXPECT_THAT(stop.state(10.0).silent, HasSubstr("0 of 1")) << "nobody has said who is there";
   const std::array<std::uint64_t, 2> both = {7, 8};
-  stop.set_present(both);
-  EXPECT_EQ(stop.state(1000.0).silent, "");
-  stop.set_present({});
-  EXPECT_THAT(stop.state(1000.0).silent, HasSubstr("0 of 1"));
+  stop.set_present(both, 1000.0);
+  EXPECT_EQ(stop.state(1000.0).silent, "") << "its word is old, it is there";
+  stop.set_present({}, 1000.1);
+  EXPECT_EQ(stop.state(1000.1).silent, "") << "one look that misses it decides nothing";
+  stop.set_present({}, 1000.3);
+  EXPECT_THAT(stop.state(1000.3).silent, HasSubstr("0 of 1"));
   stop.told(8, true, 1001.0);
-  stop.set_present(both);
+  stop.set_present(both, 1002.0);
   EXPECT_TRUE(stop.state(1002.0).pressed);
+  EXPECT_THAT(stop.state(1003.0).silent, HasSubstr("0 of 1")) << "nobody looks any more";
 }
 
 TEST(EmergencyStop, ThousandsOfPublishersCostNothing) {

@@ -66,6 +66,9 @@ TEST(RangeCheck, AsksOfWhatIsInTheInbox) {
   EXPECT_EQ(look(forward, 10.0).share, 1.0) << look(forward, 10.0).obstacle;
   inbox.depth(9.995, *wall_at(0.32).image);
   EXPECT_LT(look(forward, 10.0).share, 0.5);
+  inbox.depth(9.996, DepthImage(40, 20));
+  EXPECT_GT(look(forward, 10.0).share, 0.0) << "one image without depths decides nothing";
+  EXPECT_LT(look(forward, 10.0).share, 0.5) << "what the one before has shown is there";
   inbox.depth(10.0, DepthImage(40, 20));  // covered
   EXPECT_EQ(look(forward, 10.0).share, 0.0);
   EXPECT_FALSE(look(forward, 10.0).obstacle.empty());

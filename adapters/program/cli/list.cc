@@ -14,9 +14,11 @@
 #include "adapters/program/cli/adapter_table.h"
 #include "adapters/program/cli/commands.h"
 #include "adapters/program/cli/common_options.h"
+#include "adapters/robots/dds/dds_links.h"
 #include "engine/behaviour/behaviour.h"
 #include "models/range_text.h"
 #include "runtime/drive_mode.h"
+#include "runtime/link.h"
 #include "solvers/options.h"
 
 namespace prospect {
@@ -54,6 +56,27 @@ nlohmann::ordered_json to_json(const TermEntry& entry) {
           {"options", options}};
 }
 
+nlohmann::ordered_json to_json(const Link& link) {
+  const auto number = [](const std::optional<double>& value) {
+    return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json();
+  };
+  const auto cause = [](const std::optional<DriveCause>& value) {
+    return value ? nlohmann::ordered_json(to_string(*value)) : nlohmann::ordered_json();
+  };
+  return {{"signal", link.signal},
+          {"topic", link.topic},
+          {"least_publishers", link.least},
+          {"most_publishers",
+           link.most == 0 ? nlohmann::ordered_json() : nlohmann::ordered_json(link.most)},
+          {"silence", number(link.heartbeat)},
+          {"age", number(link.age)},
+          {"frame", link.frame},
+          {"values", link.values},
+          {"absent", cause(link.absent)},
+          {"too_many", cause(link.doubled)},
+          {"wrong", cause(link.wrong)}};
+}
+
 /// Names, several a line, under a heading.
 void print_names(const std::string& heading, const std::vector<std::string>& names) {
   constexpr std::size_t kColumns = 100;
@@ -70,7 +93,8 @@ void print_names(const std::string& heading, const std::vector<std::string>& nam
   std::printf("%s\n", text.c_str());
 }
 
-nlohmann::ordered_json as_json(const std::string& what, const Registries& registries) {
+nlohmann::ordered_json as_json(const std::string& what, const DdsOptions& topics,
+                               const Registries& registries) {
   nlohmann::ordered_json out = nlohmann::ordered_json::array();
   if (what == "solvers") {
     for (const SolverInfo& s : registries.solvers.list()) {
@@ -103,6 +127,8 @@ nlohmann::ordered_json as_json(const std::string& what, const Registries& regist
                      {"to", to_string(row.to)},
                      {"cause", row.cause ? to_string(*row.cause) : "as before"}});
     }
+  } else if (what == "links") {
+    for (const Link& link : dds_links(topics)) out.push_back(to_json(link));
   } else if (what == "adapters") {
     for (const Adapter& a : adapters()) {
       const std::string lacking = lacks(a);
@@ -127,13 +153,18 @@ nlohmann::ordered_json as_json(const std::string& what, const Registries& regist
   return out;
 }
 
-void print_in_full(const std::string& what, const nlohmann::ordered_json& entries) {
+void print_in_full(const std::string& what, const DdsOptions& topics,
+                   const nlohmann::ordered_json& entries) {
   if (what == "modes") {
     std::cout << behaviour_tables();
     return;
   }
   if (what == "drive-modes") {
     std::cout << drive_mode_tables();
+    return;
+  }
+  if (what == "links") {
+    std::cout << link_table(dds_links(topics));
     return;
   }
   const int width = what == "solvers" ? 34 : what == "terms" ? 26 : 12;
@@ -158,54 +189,66 @@ std::vector<std::string> names_of(const std::string& what, const nlohmann::order
   std::vector<std::string> names;
   for (const auto& entry : entries) {
     const bool table = what == "modes" || what == "drive-modes";
-    const auto name = entry.at(table ? "to" : "name").get<std::string>();
+    const char* key = table ? "to" : what == "links" ? "signal" : "name";
+    const auto name = entry.at(key).get<std::string>();
     if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
   }
   return names;
 }
 
 std::vector<std::string> list_kinds() {
-  return {"solvers", "worlds", "terms", "sets", "modes", "drive-modes", "adapters"};
+  return {"solvers", "worlds", "terms", "sets", "modes", "drive-modes", "links", "adapters"};
 }
 
-int list(const std::string& what, bool json, const Registries& registries) {
+struct ListArguments {
+  std::string what;  ///< one of list_kinds(), in full; "": all of them, in short unless `json`
+  std::string ros;   ///< file of topics, of "links"; "": the defaults
+  bool json = false;
+};
+
+int list(const ListArguments& arguments, const Registries& registries) {
+  const std::string& what = arguments.what;
+  const bool json = arguments.json;
+  if (!arguments.ros.empty() && what != "links") {
+    throw InputError("--ros: given with '" + what + "'; expected it with links");
+  }
+  const DdsOptions topics = arguments.ros.empty() ? DdsOptions() : read_dds_options(arguments.ros);
   if (!what.empty()) {
-    const nlohmann::ordered_json entries = as_json(what, registries);
+    const nlohmann::ordered_json entries = as_json(what, topics, registries);
     if (json) {
       std::cout << entries.dump(2) << '\n';
     } else {
-      print_in_full(what, entries);
+      print_in_full(what, topics, entries);
     }
     return kDone;
   }
   nlohmann::ordered_json all;
-  for (const std::string& kind : list_kinds()) all[kind] = as_json(kind, registries);
+  for (const std::string& kind : list_kinds()) all[kind] = as_json(kind, topics, registries);
   if (json) {
     std::cout << all.dump(2) << '\n';
     return kDone;
   }
   for (const std::string& kind : list_kinds()) print_names(kind, names_of(kind, all.at(kind)));
   std::printf("In full: prospect list %s\n",
-              "solvers|worlds|terms|sets|modes|drive-modes|adapters");
+              "solvers|worlds|terms|sets|modes|drive-modes|links|adapters");
   return kDone;
 }
-
-struct ListArguments {
-  std::string what;  ///< one of list_kinds(), in full; "": all of them, in short unless `json`
-  bool json = false;
-};
 
 }  // namespace
 
 Command list_command(CLI::App& program) {
   const auto given = std::make_shared<ListArguments>();
   CLI::App* command = program.add_subcommand(
-      "list", "What there is: solvers, worlds, terms, sets, modes, drive-modes or adapters");
+      "list", "What there is: solvers, worlds, terms, sets, modes, drive-modes, links or adapters");
   one_of(command->add_option("what", given->what, "Which of them, in full [all, in short]"),
          list_kinds());
+  command
+      ->add_option(
+          "--ros", given->ros,
+          "With links: those of the robot with these topics (YAML) [those of the defaults]")
+      ->type_name("FILE");
   command->add_flag("--json", given->json, "Print JSON");
-  return {command,
-          [given](const Invocation& in) { return list(given->what, given->json, in.registries); }};
+  return {command, [given](const Invocation& in) { return list(*given, in.registries); }};
 }
 
 }  // namespace prospect

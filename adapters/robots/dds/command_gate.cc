@@ -76,14 +76,21 @@ void CommandGate::take(const ros::Twist& command, double age, double now) {
   fresh_ = true;
 }
 
-std::optional<ros::Twist> CommandGate::output(int commanders, double now) {
+std::optional<ros::Twist> CommandGate::output(const std::vector<std::string>& commanders,
+                                              double now) {
+  constexpr double kEven = 0.2;  // [s]
   if (!since_) return std::nullopt;
-  if (commanders > 1) {
-    complain(Wrong::kCommanders,
-             std::to_string(commanders) + " publishers of commands; expected one", now);
+  const bool several = commanders.size() > 1;
+  if (several) {
+    std::string names;
+    for (const std::string& name : commanders) names += (names.empty() ? "" : ", ") + name;
+    complain(
+        Wrong::kCommanders,
+        std::to_string(commanders.size()) + " publishers of commands: " + names + "; expected one",
+        now);
     since_ = now - limits_.dead_man;  // what they have said does not count later, either
   }
-  if (closed_ || commanders > 1 || now - *since_ >= limits_.dead_man) {
+  if (closed_ || several || now - *since_ >= limits_.dead_man) {
     linear_.setZero();
     angular_.setZero();
   } else {
@@ -91,6 +98,13 @@ std::optional<ros::Twist> CommandGate::output(int commanders, double now) {
     const double dt = sent_ ? std::clamp(now - *sent_, 0.0, limits_.dead_man) : limits_.period;
     linear_ = led(linear_, wanted_linear_, limits_.acceleration * dt);
     angular_ = led(angular_, wanted_angular_, limits_.yaw_acceleration * dt);
+    if ((wanted_linear_ - linear_).norm() > kEven * limits_.acceleration ||
+        (wanted_angular_ - angular_).norm() > kEven * limits_.yaw_acceleration) {
+      complain(Wrong::kTooSudden,
+               "a command changes by more than " + exact_text(limits_.acceleration) + " m/s^2, " +
+                   exact_text(limits_.yaw_acceleration) + " rad/s^2; it is led there by that",
+               now);
+    }
   }
   sent_ = now;
   fresh_ = false;

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "adapters/formats/ros/geometry_msgs.h"
 
@@ -23,6 +24,9 @@ namespace prospect {
 ///
 ///   One commander. While several publish commands, zero goes out, whatever they say.
 ///
+/// What it bounds and refuses it says (complaint()). A change that is led to within a fifth of a
+/// second is none that is told of: commands do not come evenly.
+///
 /// Before the first command nothing goes out. Thread-safety: one thread at a time. Never throws,
 /// but for lack of memory.
 class CommandGate {
@@ -41,8 +45,8 @@ class CommandGate {
   /// A command that came at `now` [s], `age` [s] old then by its stamp (negative: ahead); 0 where
   /// it has no stamp.
   void take(const ros::Twist& command, double age, double now);
-  /// What is to go out at `now`, with so many commanders; none: what went out last still holds.
-  std::optional<ros::Twist> output(int commanders, double now);
+  /// What is to go out at `now`, with these commanders; none: what went out last still holds.
+  std::optional<ros::Twist> output(const std::vector<std::string>& commanders, double now);
   /// Zero from now on, whatever comes.
   void close() { closed_ = true; }
 
@@ -50,7 +54,7 @@ class CommandGate {
   std::string complaint(double now) const;
 
  private:
-  enum class Wrong { kNothing, kNotFinite, kTooFast, kTooOld, kAhead, kCommanders };
+  enum class Wrong { kNothing, kNotFinite, kTooFast, kTooSudden, kTooOld, kAhead, kCommanders };
   void complain(Wrong wrong, const std::string& line, double now);
 
   Limits limits_;

@@ -1,5 +1,6 @@
 #include "adapters/robots/dds/dds_base.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdint>
@@ -11,6 +12,7 @@
 #include "adapters/formats/files/input_error.h"
 #include "adapters/formats/ros/geometry_msgs.h"
 #include "adapters/formats/ros/nav_msgs.h"
+#include "adapters/robots/dds/dds_links.h"
 #include "runtime/clock_offset.h"
 
 namespace prospect {
@@ -18,7 +20,11 @@ namespace prospect {
 struct DdsBase::Impl {
   Impl(const DdsOptions& given, DdsNode& its_node, const DdsTransforms& its_transforms,
        const Clock& its_clock)
-      : options(given), node(its_node), transforms(its_transforms), clock(its_clock) {}
+      : options(given),
+        node(its_node),
+        transforms(its_transforms),
+        clock(its_clock),
+        links(dds_links(given), its_node) {}
 
   /// Where the frame of the odometry is in B, which it must be or be fixed to.
   Eigen::Isometry3d odometry_frame(const std::string& child) const {
@@ -36,7 +42,18 @@ struct DdsBase::Impl {
     return *T;
   }
 
-  void add(const ros::Odometry& m) {
+  /// Whether it is the one that is listened to: who spoke first, until it has gone. Another is a
+  /// fault, and its numbers do not count until that is seen.
+  bool is_heard(std::uint64_t publisher) {
+    if (publisher == speaker) return true;
+    const std::vector<std::uint64_t> there = node.live_publishers(options.odometry);
+    if (std::find(there.begin(), there.end(), speaker) != there.end()) return false;
+    speaker = publisher;
+    return true;
+  }
+
+  void add(const ros::Odometry& m, std::uint64_t publisher) {
+    if (!is_heard(publisher)) return;
     const Eigen::Isometry3d T_BO = odometry_frame(m.child_frame_id);
     // The twist of a rigid body in B: turned, and less what turning adds at the frame's place.
     const ros::Twist& told = m.twist.twist;
@@ -87,13 +104,14 @@ struct DdsBase::Impl {
     return ros::time_of(day + (time - clock.now()));
   }
 
-  static constexpr double kSilence = 0.5;  // [s] of odometry that is a fault
-  static constexpr double kKept = 2.0;     // [s] of poses
+  static constexpr double kKept = 2.0;  // [s] of poses
   static constexpr std::size_t kMost = 2000;
   const DdsOptions options;
   DdsNode& node;
   const DdsTransforms& transforms;
   const Clock& clock;
+  DdsLinkWatch links;         // of the command thread
+  std::uint64_t speaker = 0;  // of the odometry; of the node's thread
   int stamped = -1, plain = -1;
   std::vector<std::string> command_topics;
   mutable std::mutex mutex;
@@ -109,8 +127,9 @@ DdsBase::DdsBase(const DdsOptions& options, DdsNode& node, const DdsTransforms& 
                  const Clock& clock, DriveRequests* requests)
     : impl_(std::make_shared<Impl>(options, node, transforms, clock)) {
   const auto impl = impl_;
-  node.subscribe<ros::Odometry>(options.odometry, DdsQos{false, false, 50},
-                                [impl](const ros::Odometry& m) { impl->add(m); });
+  node.subscribe<ros::Odometry>(
+      options.odometry, DdsQos{false, false, 50},
+      [impl](const ros::Odometry& m, std::uint64_t publisher) { impl->add(m, publisher); });
   if (!options.emergency_stop.empty()) {
     const EmergencyStopContract& contract = options.emergency_stop_contract;
     impl->emergency_stop.emplace(options.emergency_stop, contract);
@@ -176,28 +195,23 @@ BaseReport DdsBase::report() noexcept {
     const DdsOptions& o = impl_->options;
     const DdsNode& node = impl_->node;
     bool listens = false;
-    std::vector<std::string> topics = {o.odometry};
-    if (!o.emergency_stop.empty()) topics.push_back(o.emergency_stop);
     for (const std::string& topic : impl_->command_topics) {
       listens = listens || node.subscribers(topic) > 0;
-      topics.push_back(topic);
     }
-    for (const std::string& topic : topics) {
-      const std::string fault = node.fault(topic);
-      if (!fault.empty()) report.faults.push_back(fault);
-    }
-    if (const std::string moved = impl_->transforms.moved(); !moved.empty()) {
+    report.faults = impl_->links.faults(impl_->clock.now());
+    if (const std::string moved = impl_->transforms.moved(impl_->clock.now()); !moved.empty()) {
       report.faults.push_back(moved);
     }
     if (impl_->emergency_stop) {
-      impl_->emergency_stop->set_present(node.live_publishers(o.emergency_stop));
+      impl_->emergency_stop->set_present(node.live_publishers(o.emergency_stop),
+                                         impl_->clock.now());
     }
     const std::lock_guard lock(impl_->mutex);
     report.connected = listens && impl_->heard.has_value();
     report.stamp = impl_->heard.value_or(0.0);
     report.velocity = impl_->velocity;
     report.wheels = std::exchange(impl_->wheels, {});
-    if (impl_->heard && impl_->clock.now() - *impl_->heard > Impl::kSilence) {
+    if (impl_->heard && impl_->clock.now() - *impl_->heard > kOdometrySilence) {
       report.faults.push_back(o.odometry + ": odometry is silent");
     }
   } catch (...) {

@@ -27,8 +27,9 @@ namespace prospect {
 /// Report: velocity and wheel motion of the odometry's twist, which is the body's: of frames.base,
 /// or with odometry_by_tf of another frame that is fixed to it, and is carried over. The link
 /// stands while odometry has come and somebody subscribes to commands. Faults: odometry that is
-/// silent for half a second, a camera that moves (DdsTransforms::moved()), and what is wrong with
-/// those topics and that of the emergency stop (DdsNode::fault()).
+/// silent for half a second, a camera that moves (DdsTransforms::moved()), and what else is not as
+/// the contracts of the links say (dds_links.h). Of several publishers of odometry the first counts
+/// until it has gone.
 ///
 /// Clocks: the offset between the robot's clock and the runtime's is estimated from the odometry's
 /// stamps (ClockOffset).

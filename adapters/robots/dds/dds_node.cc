@@ -4,9 +4,11 @@
 #include "adapters/formats/files/input_error.h"
 #include "adapters/formats/files/not_built_in.h"
 #include "adapters/robots/dds/dds_names.h"
+#include "adapters/robots/dds/discovered_endpoints.h"
 #include "adapters/robots/dds/raw_type.h"
 #include "adapters/robots/dds/type_hash.h"
 #include "models/formatted.h"
+#include "runtime/sample_judge.h"
 
 #ifdef PROSPECT_WITH_CYCLONEDDS
 #include <dds/dds.h>
@@ -86,8 +88,6 @@ struct ParticipantEntitiesInfo {
   }
 };
 
-constexpr std::size_t kMostFaults = 100;  // of others' endpoints that are remembered
-
 [[noreturn]] void refuse(const std::string& what, dds_return_t code) {
   throw InputError("dds: " + what + ": " + dds_strretcode(code));
 }
@@ -102,6 +102,32 @@ Gid gid_of(dds_entity_t entity) {
   Gid gid;
   std::copy(std::begin(guid.v), std::end(guid.v), gid.data.begin());
   return gid;
+}
+std::string key_of(const dds_guid_t& guid) {
+  return {reinterpret_cast<const char*>(guid.v), sizeof guid.v};
+}
+std::string key_of(const Gid& gid) {
+  return {reinterpret_cast<const char*>(gid.data.data()), gid.data.size()};
+}
+
+/// What a participant calls itself: its name, or its process and where that runs; "": nothing.
+std::string name_in(const dds_qos_t* qos) {
+  const auto text = [&](auto get) -> std::string {
+    char* value = nullptr;
+    if (!get(&value) || !value) return "";
+    const std::string copy = value;
+    dds_free(value);
+    return copy;
+  };
+  const auto property = [&](const char* key) {
+    return text([&](char** value) { return dds_qget_prop(qos, key, value); });
+  };
+  const std::string process = property("__ProcessName");
+  if (!process.empty()) {
+    return "the process " + process + " (" + property("__Pid") + " on " + property("__Hostname") +
+           ')';
+  }
+  return text([&](char** value) { return dds_qget_entity_name(qos, value); });
 }
 
 using Qos = std::unique_ptr<dds_qos_t, void (*)(dds_qos_t*)>;
@@ -159,7 +185,9 @@ struct DdsNode::Impl {
     dds_entity_t endpoint = 0;
     bool reads = false;
     PublisherHandler handler;
-    std::string bad_message, bad_qos;  // under `mutex`
+    std::string dds_name, dds_type;  // of both, in DDS
+    SampleJudge messages;            // under `mutex`
+    std::string bad_qos;             // likewise
   };
 
   explicit Impl(const DdsAddress& given) : address(given) {
@@ -185,9 +213,16 @@ struct DdsNode::Impl {
       others_readers =
           made(dds_create_reader(participant, DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION, nullptr, nullptr),
                "no discovery");
-      for (const dds_entity_t reader : {others_writers, others_readers}) watch(reader);
-      info = made_endpoint("ros_discovery_info", ros::definition_of<ParticipantEntitiesInfo>(),
-                           kLatchedQos, false);
+      others =
+          made(dds_create_reader(participant, DDS_BUILTIN_TOPIC_DCPSPARTICIPANT, nullptr, nullptr),
+               "no discovery");
+      const auto of_nodes = ros::definition_of<ParticipantEntitiesInfo>();
+      info = made_endpoint("ros_discovery_info", of_nodes, kLatchedQos, false);
+      others_nodes = made_endpoint("ros_discovery_info", of_nodes, kDiscoveryQos, true);
+      for (const dds_entity_t reader : {others, others_writers, others_readers, others_nodes}) {
+        watch(reader);
+      }
+      own_key = key_of(gid_of(participant));
     } catch (...) {
       end();
       throw;
@@ -232,7 +267,10 @@ struct DdsNode::Impl {
     const std::string problem = topic_problem(topic.name);
     if (!problem.empty()) throw InputError("dds: topic " + problem);
     topic.type = definition.front().name;
-    topic.endpoint = made_endpoint(dds_topic(topic.name), definition, topic.qos, topic.reads);
+    topic.dds_name = dds_topic(topic.name);
+    topic.dds_type = dds_type(topic.type);
+    topic.endpoint = made_endpoint(topic.dds_name, definition, topic.qos, topic.reads);
+    looked_at.insert(topic.dds_name);
     if (topic.reads) watch(topic.endpoint);
     topics.push_back(std::move(topic));
   }
@@ -254,8 +292,10 @@ struct DdsNode::Impl {
       std::array<dds_attach_t, 8> ready{};
       dds_waitset_wait(waits, ready.data(), ready.size(), kPeriod);
       try {
-        look_at_others(others_writers, true);
-        look_at_others(others_readers, false);
+        look_at_participants();
+        look_at_nodes();
+        look_at_endpoints(others_writers, true);
+        look_at_endpoints(others_readers, false);
         for (Topic& topic : topics) {
           if (stop.stop_requested()) return;
           if (topic.reads) take(topic);
@@ -282,37 +322,66 @@ struct DdsNode::Impl {
         problem = error.what();
       }
       const std::lock_guard lock(mutex);
-      topic.bad_message = problem;
+      problem.empty() ? topic.messages.good() : topic.messages.bad(problem);
     }
   }
 
-  /// Endpoints of others that have a topic of ours with another type: DDS does not connect them.
-  void look_at_others(dds_entity_t reader, bool they_write) {
+  /// Hands each sample of a topic of discovery on, and whether what it tells of is there.
+  template <typename Sample, typename Take>
+  void look_at(dds_entity_t reader, const Take& take) {
     for (;;) {
       void* sample = nullptr;
       dds_sample_info_t sample_info{};
       if (dds_take(reader, &sample, &sample_info, 1, 1) != 1) return;
-      const auto* other = static_cast<const dds_builtintopic_endpoint_t*>(sample);
-      const std::string key(reinterpret_cast<const char*>(other->key.v), sizeof other->key.v);
       {
         const std::lock_guard lock(mutex);
-        other_types.erase(key);
-        if (sample_info.valid_data && sample_info.instance_state == DDS_IST_ALIVE &&
-            other_types.size() < kMostFaults) {
-          for (const Topic& topic : topics) {
-            if (topic.reads != they_write || dds_topic(topic.name) != other->topic_name ||
-                dds_type(topic.type) == other->type_name) {
-              continue;
-            }
-            other_types[key] = {topic.name, topic.name + ": another node " +
-                                                (they_write ? "publishes " : "expects ") +
-                                                ros_type(other->type_name) + "; expected " +
-                                                topic.type};
-          }
-        }
+        take(*static_cast<const Sample*>(sample),
+             sample_info.valid_data && sample_info.instance_state == DDS_IST_ALIVE);
       }
       dds_return_loan(reader, &sample, 1);
     }
+  }
+  void look_at_participants() {
+    look_at<dds_builtintopic_participant_t>(others, [&](const auto& other, bool there) {
+      discovered.set_participant(key_of(other.key), there ? name_in(other.qos) : "");
+    });
+  }
+  void look_at_endpoints(dds_entity_t reader, bool they_write) {
+    look_at<dds_builtintopic_endpoint_t>(reader, [&](const auto& other, bool there) {
+      const std::string key = key_of(other.key), from = key_of(other.participant_key);
+      if (!there) {
+        discovered.remove(key);
+      } else if (from != own_key && looked_at.contains(other.topic_name)) {
+        discovered.add(key, {other.topic_name, other.type_name, from, they_write});
+      }
+    });
+  }
+  /// Which node of ROS 2 an endpoint belongs to. What is no such message names nobody.
+  void look_at_nodes() {
+    for (;;) {
+      ddsi_serdata* sample = nullptr;
+      dds_sample_info_t sample_info{};
+      if (dds_takecdr(others_nodes, &sample, 1, &sample_info, DDS_ANY_STATE) != 1) return;
+      const std::unique_ptr<ddsi_serdata, void (*)(ddsi_serdata*)> held(
+          sample, [](ddsi_serdata* s) { ddsi_serdata_unref(s); });
+      if (!sample_info.valid_data) continue;
+      ParticipantEntitiesInfo told;
+      try {
+        told = ros::from_cdr<ParticipantEntitiesInfo>(bytes_of(sample), "ros_discovery_info");
+      } catch (const InputError&) {
+        continue;
+      }
+      std::map<std::string, std::string> names;
+      for (const NodeEntitiesInfo& node : told.node_entities_info_seq) {
+        const std::string name = full_name(node.node_namespace, node.node_name);
+        for (const Gid& gid : node.writer_gid_seq) names[key_of(gid)] = name;
+      }
+      const std::lock_guard lock(mutex);
+      discovered.set_nodes(key_of(told.gid), std::move(names));
+    }
+  }
+  static std::string full_name(const std::string& its_namespace, const std::string& name) {
+    return (its_namespace == "/" ? "" : its_namespace) + "/" + name;
   }
 
   void look_at_qos(Topic& topic) {
@@ -341,14 +410,24 @@ struct DdsNode::Impl {
     }
     return nullptr;
   }
-  /// Of a topic that somebody is connected to by a fitting QoS another's QoS is no fault.
   std::string fault(const Topic& topic) const {
-    const std::lock_guard lock(mutex);
-    for (const auto& [key, other] : other_types) {
-      if (other.first == topic.name) return other.second;
+    {
+      const std::lock_guard lock(mutex);
+      if (std::string bad = topic.messages.fault(); !bad.empty()) return bad;
     }
-    if (!topic.bad_message.empty()) return topic.bad_message;
-    return connected(topic) > 0 ? "" : topic.bad_qos;
+    if (connected(topic) > 0) return "";
+    const std::string other = other_type(topic);
+    const std::lock_guard lock(mutex);
+    return other.empty() ? topic.bad_qos : other;
+  }
+  /// Another's endpoint of the topic with another type: DDS does not connect it. Where one is
+  /// connected that fits, that is no fault: neither hears the other.
+  std::string other_type(const Topic& topic) const {
+    const std::lock_guard lock(mutex);
+    const std::string other = discovered.other_type(topic.dds_name, topic.dds_type, topic.reads);
+    if (other.empty()) return "";
+    return topic.name + ": another node " + (topic.reads ? "publishes " : "expects ") +
+           ros_type(other) + "; expected " + topic.type;
   }
   static int connected(const Topic& topic) {
     if (topic.reads) {
@@ -362,12 +441,15 @@ struct DdsNode::Impl {
   }
 
   static constexpr dds_duration_t kPeriod = DDS_MSECS(20);
+  static constexpr DdsQos kDiscoveryQos{true, true, 1000};  // of many participants, one topic
   DdsAddress address;
   dds_entity_t domain = 0, participant = 0, waits = 0, info = 0;
-  dds_entity_t others_writers = 0, others_readers = 0;
+  dds_entity_t others = 0, others_writers = 0, others_readers = 0, others_nodes = 0;
+  std::string own_key;
   std::deque<Topic> topics;  // none is added once the thread runs
   mutable std::mutex mutex;
-  std::map<std::string, std::pair<std::string, std::string>> other_types;  // topic, text; by key
+  std::set<std::string> looked_at;  // names of topics in DDS; as `topics`
+  DiscoveredEndpoints discovered;   // under `mutex`
   std::jthread thread;
 };
 
@@ -403,6 +485,8 @@ int DdsNode::advertise(const std::string& topic,
   return static_cast<int>(impl_->topics.size()) - 1;
 }
 
+void DdsNode::watch(const std::string& topic) { impl_->looked_at.insert(dds_topic(topic)); }
+
 void DdsNode::start() {
   impl_->announce();
   impl_->thread = std::jthread([this](const std::stop_token& stop) { impl_->run(stop); });
@@ -421,6 +505,25 @@ int DdsNode::publishers(const std::string& topic) const {
 int DdsNode::subscribers(const std::string& topic) const {
   const Impl::Topic* found = impl_->find(topic, false);
   return found ? Impl::connected(*found) : 0;
+}
+
+std::vector<std::string> DdsNode::publisher_names(const std::string& topic) const {
+  const Impl::Topic *heard = impl_->find(topic, true), *spoken = impl_->find(topic, false);
+  std::vector<std::string> names;
+  {
+    const std::lock_guard lock(impl_->mutex);
+    names = impl_->discovered.writers(dds_topic(topic), heard ? heard->dds_type : "");
+  }
+  if (heard) {
+    names.resize(std::max(names.size(), static_cast<std::size_t>(Impl::connected(*heard))),
+                 "one that says no name");
+  }
+  std::sort(names.begin(), names.end());
+  if (spoken) {
+    const std::string own = Impl::full_name("/", impl_->address.node);
+    names.insert(names.begin(), own + " (this program)");
+  }
+  return names;
 }
 
 std::vector<std::uint64_t> DdsNode::live_publishers(const std::string& topic) const {
@@ -449,8 +552,9 @@ std::vector<std::string> DdsNode::faults() const {
   std::vector<std::string> all;
   std::set<std::string> said;
   for (const Impl::Topic& one : impl_->topics) {
-    const std::string text = impl_->fault(one);
-    if (!text.empty() && said.insert(text).second) all.push_back(text);
+    for (const std::string& text : {impl_->fault(one), impl_->other_type(one)}) {
+      if (!text.empty() && said.insert(text).second) all.push_back(text);
+    }
   }
   return all;
 }
@@ -471,10 +575,12 @@ int DdsNode::advertise(const std::string&, const std::vector<ros::MessageDefinit
                        const DdsQos&) {
   return -1;
 }
+void DdsNode::watch(const std::string&) {}
 void DdsNode::start() {}
 bool DdsNode::publish(int, const std::string&) noexcept { return false; }
 int DdsNode::publishers(const std::string&) const { return 0; }
 std::vector<std::uint64_t> DdsNode::live_publishers(const std::string&) const { return {}; }
+std::vector<std::string> DdsNode::publisher_names(const std::string&) const { return {}; }
 int DdsNode::subscribers(const std::string&) const { return 0; }
 std::string DdsNode::fault(const std::string&) const { return ""; }
 std::vector<std::string> DdsNode::faults() const { return {}; }

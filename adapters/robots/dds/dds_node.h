@@ -47,8 +47,8 @@ std::string dds_configuration(bool loopback);
 /// announced in ros_discovery_info, so that `ros2 node list` knows it.
 ///
 /// Declare all topics, then start() a thread of its own that calls the handlers, one at a time. A
-/// handler that throws (InputError: what came is no such message) makes that a fault of its topic,
-/// until a good message comes.
+/// message whose handler throws (InputError: what came is no such message) is left out; several
+/// are a fault of its topic, until good ones come (sample_judge.h).
 ///
 /// The first node of a domain in a process gives the domain its configuration and must be the last
 /// one to end. Thread-safety: after start() any thread. Errors: the constructor and declarations
@@ -91,6 +91,8 @@ class DdsNode {
   int advertise(const std::string& topic, const DdsQos& qos) {
     return advertise(topic, ros::definition_of<T>(), qos);
   }
+  /// Who publishes on a topic of others is asked, too (publisher_names()).
+  void watch(const std::string& topic);
   void start();
 
   /// Hands it to DDS, and waits for nobody. False: DDS did not take it. `topic` < 0: none.
@@ -106,10 +108,13 @@ class DdsNode {
   /// give a sign of life (DdsQos::lease): which one is not told.
   std::vector<std::uint64_t> live_publishers(const std::string& topic) const;
   int subscribers(const std::string& topic) const;
-  /// What is wrong with a topic, one line: another type or QoS on the other side, or the newest
-  /// message is none. Empty: nothing.
+  /// Names of all who publish on a topic, on one that is heard those of its type, this node first
+  /// if it does: "/prospect (this program)", "/teleop", "the process rviz2 (123 on robot)".
+  std::vector<std::string> publisher_names(const std::string& topic) const;
+  /// What is wrong with a topic, one line: messages that are none, or that nobody is connected,
+  /// and who is there has another type or QoS. Empty: nothing.
   std::string fault(const std::string& topic) const;
-  /// Of all topics.
+  /// Of all topics; also who is not connected beside one that is.
   std::vector<std::string> faults() const;
 
  private:

@@ -49,6 +49,9 @@ struct DdsRelay::Impl {
     const DdsOptions::Command& c = options.command;
     if (!c.stamped.empty()) stamped = node.advertise<ros::TwistStamped>(c.stamped, kCommandQos);
     if (!c.plain.empty()) plain = node.advertise<ros::Twist>(c.plain, kCommandQos);
+    for (const std::string& topic : {c.stamped, c.plain}) {
+      if (!topic.empty()) outputs.push_back(topic);
+    }
     node.subscribe<ros::TwistStamped>(c.relay, kCommandQos,
                                       [this](const ros::TwistStamped& m) { pass(m); });
   }
@@ -68,12 +71,21 @@ struct DdsRelay::Impl {
     }
     send();
   }
+  /// Who commands, through this relay or past it.
+  std::vector<std::string> commanders() const {
+    std::vector<std::string> names = node.publisher_names(options.command.relay);
+    for (const std::string& topic : outputs) {
+      // This relay is the first of them.
+      const std::vector<std::string> all = node.publisher_names(topic);
+      for (std::size_t n = 1; n < all.size(); ++n) names.push_back(all[n] + " on " + topic);
+    }
+    return names;
+  }
   /// What the gate lets out now.
   void send() {
     const std::lock_guard lock(mutex);
     const double now = clock.now();
-    const std::optional<ros::Twist> twist =
-        gate.output(node.publishers(options.command.relay), now);
+    const std::optional<ros::Twist> twist = gate.output(commanders(), now);
     if (!twist) return;
     ros::TwistStamped m;
     m.header = last;
@@ -100,6 +112,7 @@ struct DdsRelay::Impl {
   const DdsOptions options;
   const SteadyClock clock;
   int stamped = -1, plain = -1;
+  std::vector<std::string> outputs;  // topics
   std::mutex mutex;
   CommandGate gate;
   std::optional<double> arrived;  // [s] of the newest command

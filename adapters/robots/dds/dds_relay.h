@@ -12,7 +12,8 @@ namespace prospect {
 /// link (runtime/base.h), started by what starts the motors. It passes commands on from
 /// options.command.relay to the topics of the driver, at once, as far as its gate lets them
 /// (command_gate.h): within options.command.limits, while they are younger than
-/// options.command.dead_man, and of one publisher. Else it sends zero velocity, again and again.
+/// options.command.dead_man, and of one publisher, there and on the topics of the driver, which is
+/// named. Else it sends zero velocity, again and again.
 /// Before the first command it sends nothing.
 ///
 /// What it cannot do: stop the robot after it was killed itself.

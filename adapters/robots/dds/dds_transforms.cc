@@ -19,6 +19,7 @@ struct DdsTransforms::Impl {
   struct Held {
     std::string to, from;
     Eigen::Isometry3d T;
+    std::optional<double> moved_since;  // [s]
   };
 
   void take(std::string_view cdr, const std::string& name, bool fixed) {
@@ -84,18 +85,23 @@ std::optional<Eigen::Isometry3d> DdsTransforms::newest(const std::string& to,
 
 void DdsTransforms::hold(const std::string& to, const std::string& from) {
   const std::lock_guard lock(impl_->mutex);
-  if (const auto T = impl_->newest(to, from)) impl_->held.push_back({to, from, *T});
+  if (const auto T = impl_->newest(to, from)) impl_->held.push_back({to, from, *T, {}});
 }
 
-std::string DdsTransforms::moved() const {
-  constexpr double kFar = 0.01;  // [m], [rad]
+std::string DdsTransforms::moved(double now) const {
+  constexpr double kFar = 0.01;   // [m], [rad]
+  constexpr double kLasts = 0.5;  // [s], longer than one of several transforms that is wrong
   const std::lock_guard lock(impl_->mutex);
-  for (const Impl::Held& held : impl_->held) {
-    const auto T = impl_->newest(held.to, held.from);
-    if (!T) continue;
-    const Eigen::Isometry3d by = held.T.inverse() * *T;
+  for (Impl::Held& held : impl_->held) {
+    const Eigen::Isometry3d by =
+        held.T.inverse() * impl_->newest(held.to, held.from).value_or(held.T);
     const double angle = Eigen::AngleAxisd(by.linear()).angle();
-    if (by.translation().norm() <= kFar && std::abs(angle) <= kFar) continue;
+    if (by.translation().norm() <= kFar && std::abs(angle) <= kFar) {
+      held.moved_since.reset();
+      continue;
+    }
+    if (!held.moved_since) held.moved_since = now;
+    if (now - *held.moved_since < kLasts) continue;
     return impl_->topic + ": '" + held.from + "' has moved in '" + held.to +
            "' since the start; expected a camera that is fixed to the body";
   }

@@ -29,8 +29,9 @@ class DdsTransforms {
 
   /// From now on `from` must stay where it is in `to`.
   void hold(const std::string& to, const std::string& from);
-  /// Which of those has moved, by more than 1 cm or 0.01 rad, one line; empty: none.
-  std::string moved() const;
+  /// Which of those has moved at `now` [s] of any clock that goes on, by more than 1 cm or 0.01 rad
+  /// for half a second, one line; empty: none.
+  std::string moved(double now) const;
 
  private:
   struct Impl;

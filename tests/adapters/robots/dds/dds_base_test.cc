@@ -140,10 +140,28 @@ TEST(DdsBase, DrivesAndHearsABaseBehindTopics) {
   driver.acknowledge(true);
   EXPECT_TRUE(within(kPatience, [&] { return requests.take_acknowledgement(); }));
 
-  driver.odometry(0.25, 3.0, "wheel");
-  EXPECT_TRUE(within(kPatience, [&] { return !node.fault("/odom").empty(); }));
-  EXPECT_THAT(base.report().faults,
-              Contains(HasSubstr("/odom: child_frame_id is 'wheel'; expected 'base_link'")));
+  // One bad sample among good ones decides nothing, whatever is wrong with it; several do.
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  struct Bad {
+    double speed;
+    const char *child, *expected;
+  };
+  for (const Bad& bad :
+       {Bad{nan, "base_link", "/odom: not a motion; expected finite numbers"},
+        Bad{0.25, "wheel", "/odom: child_frame_id is 'wheel'; expected 'base_link'"}}) {
+    for (int k = 0; k < 30; ++k) {
+      k % 10 == 5 ? driver.odometry(bad.speed, 3.0, bad.child) : driver.odometry(0.25, 3.0);
+      clock.wait_until(clock.now() + 0.01, {});
+      EXPECT_TRUE(base.report().faults.empty()) << bad.expected;
+    }
+    EXPECT_TRUE(within(
+        kPatience, [&] { return !node.fault("/odom").empty(); },
+        [&] { driver.odometry(bad.speed, 3.0, bad.child); }));
+    EXPECT_THAT(base.report().faults, Contains(HasSubstr(bad.expected)));
+    EXPECT_TRUE(within(
+        kPatience, [&] { return base.report().faults.empty(); },
+        [&] { driver.odometry(0.25, 3.0); }));
+  }
   EXPECT_TRUE(within(kPatience, [&] {
     const auto faults = base.report().faults;
     return std::find(faults.begin(), faults.end(), "/odom: odometry is silent") != faults.end();
@@ -193,6 +211,89 @@ TEST(DdsBase, ALatchedEmergencyStopIsThereAsLongAsItsPublisherIs) {
   }
 }
 
+// Whoever else commands, or says how it moves, is found by who publishes, before a word of it.
+TEST(DdsBase, ASecondCommanderOrASecondOdometryIsAFaultThatNamesBoth) {
+  DdsOptions options;
+  options.emergency_stop = "/emergency_stop";
+  options.acknowledge = "/acknowledge";
+  options.command.dead_man = 0.5;
+  const SteadyClock clock;
+  DdsNode node(test::dds_test_address("prospect"));
+  const DdsTransforms transforms(node);
+  DriveRequests requests;
+  DdsBase base(options, node, transforms, clock, &requests);
+  node.start();
+  Driver driver(options);
+  const auto drives = [&] { driver.odometry(0.25, 3.0); };
+  const auto is_fine = [&] {
+    const BaseReport report = base.report();
+    return report.connected && report.faults.empty();
+  };
+  const auto faults = [&] { return base.report().faults; };
+  ASSERT_TRUE(within(
+      kPatience, [&] { return driver.ready(options) && is_fine(); }, drives));
+  {
+    // Who listens with another type hears nothing, and is nobody who commands.
+    DdsNode listener(test::dds_test_address("listener"));
+    listener.subscribe<ros::Twist>("/cmd_vel", kCommandQos, [](const ros::Twist&) {});
+    listener.start();
+    const auto told = [&] {
+      const auto all = node.faults();
+      return std::find(all.begin(), all.end(),
+                       "/cmd_vel: another node expects geometry_msgs/msg/Twist; expected "
+                       "geometry_msgs/msg/TwistStamped") != all.end();
+    };
+    EXPECT_TRUE(within(kPatience, told, drives)) << "it is said";
+    const double since = clock.now();
+    EXPECT_TRUE(within(
+        kPatience, [&] { return clock.now() > since + 0.4; },
+        [&] {
+          drives();
+          EXPECT_TRUE(is_fine());
+        }));
+  }
+  for (const bool stamped : {true, false}) {
+    DdsNode teleop(test::dds_test_address("teleop"));
+    stamped ? teleop.advertise<ros::TwistStamped>("/cmd_vel", kCommandQos)
+            : teleop.advertise<ros::Twist>("/cmd_vel", kCommandQos);
+    teleop.start();
+    EXPECT_TRUE(within(
+        kPatience,
+        [&] {
+          const auto all = faults();
+          return std::find(all.begin(), all.end(),
+                           "/cmd_vel: published by /prospect (this program), /teleop; expected one "
+                           "publisher") != all.end();
+        },
+        drives))
+        << ::testing::PrintToString(faults());
+  }
+  ASSERT_TRUE(within(kPatience, is_fine, drives)) << "it has gone";
+  {
+    DdsNode other(test::dds_test_address("other"));
+    const int odometry = other.advertise<ros::Odometry>("/odom", kReliableQos);
+    other.start();
+    ros::Odometry m;
+    m.child_frame_id = "base_link";
+    m.twist.twist.linear.x = 5.0;
+    EXPECT_TRUE(within(
+        kPatience,
+        [&] {
+          const BaseReport report = base.report();
+          EXPECT_EQ(report.velocity.linear.x(), 0.25) << "what it says does not count";
+          return std::find(report.faults.begin(), report.faults.end(),
+                           "/odom: published by /driver, /other; expected one publisher") !=
+                 report.faults.end();
+        },
+        [&] {
+          drives();
+          other.publish(odometry, m);
+        }))
+        << ::testing::PrintToString(faults());
+  }
+  EXPECT_TRUE(within(kPatience, is_fine, drives));
+}
+
 TEST(DdsBase, CarriesTheMotionOfAFrameThatTfKnowsOverToTheBody) {
   DdsOptions options;
   options.emergency_stop = "/emergency_stop";
@@ -208,8 +309,9 @@ TEST(DdsBase, CarriesTheMotionOfAFrameThatTfKnowsOverToTheBody) {
   Driver driver(options);
   ASSERT_TRUE(within(kPatience, [&] { return driver.ready(options); }));
 
-  driver.odometry(0.25, 3.0, "wheel");
-  EXPECT_TRUE(within(kPatience, [&] { return !node.fault("/odom").empty(); }));
+  EXPECT_TRUE(within(
+      kPatience, [&] { return !node.fault("/odom").empty(); },
+      [&] { driver.odometry(0.25, 3.0, "wheel"); }));
   EXPECT_THAT(node.fault("/odom"), HasSubstr("no transform from its child_frame_id 'wheel'"));
   // 0.4 m ahead of the body, looking left: it moves by 0.25 m/s that way while the body turns by
   // 0.5 rad/s, which by itself moves it by 0.2 m/s.

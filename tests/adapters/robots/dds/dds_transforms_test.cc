@@ -71,11 +71,21 @@ TEST(DdsTransforms, AHeadThatTurnsIsWhereItWasThen) {
   EXPECT_NEAR(transforms.newest("base_link", "camera")->translation().x(), 2.1, 1e-12);
 
   transforms.hold("base_link", "camera");
-  EXPECT_EQ(transforms.moved(), "");
-  EXPECT_TRUE(within(
-      kPatience, [&] { return !transforms.moved().empty(); },
+  const auto ahead = [&] { return transforms.newest("base_link", "camera")->translation().x(); };
+  EXPECT_EQ(transforms.moved(50.0), "");
+  ASSERT_TRUE(within(
+      kPatience, [&] { return ahead() > 2.11; },
       [&] { publisher.moving("base_link", "head", 2.05, 20.0); }));
-  EXPECT_THAT(transforms.moved(), HasSubstr("'camera' has moved in 'base_link'"));
+  EXPECT_EQ(transforms.moved(50.1), "") << "one that is wrong among others decides nothing";
+  ASSERT_TRUE(within(
+      kPatience, [&] { return ahead() < 2.11; },
+      [&] { publisher.moving("base_link", "head", 2.0, 20.1); }));
+  EXPECT_EQ(transforms.moved(50.6), "");
+  ASSERT_TRUE(within(
+      kPatience, [&] { return ahead() > 2.11; },
+      [&] { publisher.moving("base_link", "head", 2.05, 20.2); }));
+  EXPECT_EQ(transforms.moved(50.7), "");
+  EXPECT_THAT(transforms.moved(51.3), HasSubstr("'camera' has moved in 'base_link'"));
   EXPECT_FALSE(known("camera", 10.1)) << "what is long over is dropped";
 }
 
