@@ -71,7 +71,7 @@ CommandFollowing::Bands CommandFollowing::told_in(double from, double until) con
 }
 
 double CommandFollowing::limit(int axis, bool more) const {
-  if (axis == 2) return more ? options_.more_turn : options_.less_turn;
+  if (axis == 2) return options_.turn;
   return more ? options_.more_distance : options_.less_distance;
 }
 
@@ -157,13 +157,14 @@ std::optional<Departure> CommandFollowing::look(double now, const BaseReport& ba
     const Sums& wheels = wheels_.sums[static_cast<std::size_t>(axis)];
     const Sums& pose = pose_.sums[static_cast<std::size_t>(axis)];
     const double more = limit(axis, true), less = limit(axis, false);
+    // A pose that departs to the other side, as a picture does that stands still, denies nothing.
+    const bool confirmed = std::max(pose.more[0], pose.more[1]) >= 0.5 * more ||
+                           std::max(pose.less[0], pose.less[1]) >= 0.5 * less;
     for (std::size_t k = 0; k < kSides.size(); ++k) {
       if (wheels.more[k] >= more || wheels.less[k] >= less) {
         const double by = kSides[k] * std::max(wheels.more[k], wheels.less[k]);
         if (!pose_.stamp) return made(wheels, axis, by, "wheels");
-        if (pose.more[k] >= 0.5 * more || pose.less[k] >= 0.5 * less) {
-          return made(wheels, axis, by, "wheels and pose");
-        }
+        if (confirmed) return made(wheels, axis, by, "wheels and pose");
       }
       if (pose.more[k] >= 2.0 * more) return made(pose, axis, kSides[k] * pose.more[k], "pose");
     }

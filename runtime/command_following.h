@@ -20,12 +20,11 @@ struct CommandFollowingOptions {
   double least_speed = 0.03;  ///< [m/s] that counts
   double least_rate = 0.05;   ///< [rad/s] that counts
   // What makes it a base that does not follow: more than it is told, or half as much the other
-  // way, ...
+  // way; a turn that is less leads elsewhere, too ...
   double more_distance = 0.1;  ///< [m]
-  double more_turn = 0.2;      ///< [rad]
+  double turn = 0.2;           ///< [rad]
   // ... and less, which leads nowhere that nobody has looked at.
   double less_distance = 0.3;  ///< [m]
-  double less_turn = 0.4;      ///< [rad]
 };
 /// The knobs (models/knobs.h).
 void describe(Knobs& knobs, CommandFollowingOptions& options);
@@ -71,7 +70,8 @@ std::string to_text(const Departure& departure);
 ///
 /// A base does not follow
 ///   * if by the wheels a sum is beyond its limit, and the pose, where it is known, has half of
-///     what it takes on the same side: wheels that lie are not a base that goes astray;
+///     what it takes on that axis, to whatever side: wheels that lie are not a base that goes
+///     astray, and a pose that stands still does not deny what they say;
 ///   * if by the pose alone it makes twice the limit of `more`. Less by the pose alone is no fault
 ///     of the base: wheels slip, the body touches something, a picture stands still.
 ///

@@ -12,11 +12,11 @@ void describe(Knobs& knobs, CommandFollowingOptions& o) {
   knobs.number("least_rate", o.least_rate, {0.001, 3.0}, "rad/s", "that counts as turning");
   knobs.number("more_distance", o.more_distance, {0.01, 10.0}, "m",
                "driven beyond what was told, or the other way, that stops the robot");
-  knobs.number("more_turn", o.more_turn, {0.01, 10.0}, "rad",
-               "turned beyond what was told, or the other way, that stops it");
+  knobs.number(
+      "turn", o.turn, {0.01, 10.0}, "rad",
+      "turned beyond what was told, or the other way, or told and not turned, that stops it");
   knobs.number("less_distance", o.less_distance, {0.01, 10.0}, "m",
                "told and not driven that stops it");
-  knobs.number("less_turn", o.less_turn, {0.01, 10.0}, "rad", "told and not turned that stops it");
 }
 
 }  // namespace prospect
