@@ -19,6 +19,7 @@
 #include "runtime/mission_progress.h"
 #include "runtime/planning_latency.h"
 #include "runtime/predicted_belief.h"
+#include "runtime/realtime_priority.h"
 #include "runtime/supervisor.h"
 
 namespace prospect {
@@ -407,6 +408,7 @@ MissionResult Driver::run(Base& base, BeliefSource& beliefs) {
   {
     // In the order in which they are needed; the command thread ends last.
     std::jthread command([&](const std::stop_token& stop) {
+      const RealtimePriority first(s.options.priority);
       double tick = clock.now();
       while (!stop.stop_requested()) {
         const CommandStep step = this->command(base.report());

@@ -45,6 +45,8 @@ struct DriverOptions {
   double perception_limit = 1.5;
   double planner_limit = 2.5;
   double command_limit = 0.5;
+  /// By which run() and the checks before it send commands (realtime_priority.h); 0: as all else.
+  int priority = 10;
 };
 
 /// The knobs (models/knobs.h).

@@ -22,6 +22,8 @@ void describe(Knobs& knobs, DriverOptions& o) {
                "longest time without an answer of the planner thread");
   knobs.number("command_limit", o.command_limit, {0.01, 60.0}, "s",
                "longest time without an answer of the command thread");
+  knobs.integer("priority", o.priority, {0, 99}, "1",
+                "of commands by SCHED_FIFO, where the system allows it; 0: as all other threads");
 }
 
 }  // namespace prospect

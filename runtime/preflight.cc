@@ -116,6 +116,19 @@ CheckResult emergency_stop_check(const PreflightFacts& facts) {
   return {name, CheckVerdict::kPassed, "it is heard of, and released"};
 }
 
+CheckResult base_check(const PreflightFacts& facts) {
+  if (!facts.base) return not_possible("base", "it was not asked");
+  if (!facts.base->empty()) return {"base", CheckVerdict::kFailed, *facts.base};
+  return {"base", CheckVerdict::kPassed, "it answers, and reports no fault"};
+}
+
+CheckResult priority_check(const PreflightFacts& facts) {
+  const std::string name = "priority of commands";
+  if (!facts.priority) return not_possible(name, "it is not asked for");
+  if (!facts.priority->empty()) return {name, CheckVerdict::kWarned, *facts.priority};
+  return {name, CheckVerdict::kPassed, "they are sent by SCHED_FIFO"};
+}
+
 CheckResult dead_man_check(const PreflightFacts& facts, const PreflightOptions& o) {
   if (!facts.dead_man) {
     return {"dead-man", CheckVerdict::kFailed,
@@ -217,7 +230,9 @@ std::vector<CheckResult> checks_before_motion(const PreflightFacts& facts,
     results.push_back(
         {"streams", CheckVerdict::kFailed, "no source was named; expected one or more"});
   }
+  results.push_back(base_check(facts));
   results.push_back(emergency_stop_check(facts));
+  results.push_back(priority_check(facts));
   results.push_back(dead_man_check(facts, options));
   results.push_back(limit_check("largest speed", "m/s", facts.speed));
   results.push_back(limit_check("largest yaw rate", "rad/s", facts.yaw_rate));

@@ -79,6 +79,12 @@ struct PreflightFacts {
   /// Of what others press; none: nothing of that kind is set up.
   std::optional<EmergencyStopState> emergency_stop{};
 
+  /// Why the base cannot be driven: what it reports, or that it is silent; empty: it can. None: it
+  /// was not asked.
+  std::optional<std::string> base{};
+  /// Why commands are not sent before all else that runs here (RealtimePriority); empty: they are.
+  /// None: that is not asked for.
+  std::optional<std::string> priority{};
   /// [s] of silence after which the base stops by itself; none: it declares no dead-man.
   std::optional<double> dead_man{};
   /// [s] from one command to the next. The command thread alone keeps the dead-man from acting.
@@ -101,7 +107,10 @@ struct PreflightFacts {
 ///   cameras in step              |offset|;
 ///   clock of SOURCE              settled; jumps are warned of;
 ///   stream of SOURCE             within its limit for live_time;
+///   base                         it answers, and reports no fault;
 ///   emergency stop               who may press it is heard of, and does not;
+///   priority of commands         before all else that runs here; if the system does not allow it:
+///                                warned of;
 ///   dead-man                     declared, no longer than longest_dead_man, and longer than a
 ///                                period of commands; shorter than two, so that one late command
 ///                                trips it: warned of. What other threads need does not count: they

@@ -8,10 +8,13 @@
 #include <thread>
 #include <utility>
 
+#include "models/formatted.h"
 #include "models/knobs.h"
 #include "models/limited_twist.h"
 #include "models/tracking_input.h"
+#include "runtime/mission_observer.h"
 #include "runtime/next_command.h"
+#include "runtime/realtime_priority.h"
 #include "runtime/stream_watch.h"
 
 namespace prospect {
@@ -79,15 +82,18 @@ class Run {
     const std::jthread perceives([this](const std::stop_token& stop) {
       while (!stop.stop_requested()) {
         if (auto newest = beliefs_.update(stop)) {
+          tell(inputs_.observers, &MissionObserver::on_belief, *newest);
           const std::lock_guard lock(mutex_);
           belief_ = std::move(newest);
         }
       }
     });
+    const RealtimePriority first(driver_.priority);
     PreflightResult result;
     PreflightFacts facts = inputs_.known;
+    if (driver_.priority > 0) facts.priority = first.problem();
     watch(facts);
-    if (inputs_.floor) facts.floor = inputs_.floor();
+    if (inputs_.floor) facts.floor = floor();
     facts.dead_man = base_.dead_man();
     facts.command_period = command_.period;
     const BaseLimits limits = base_.limits();
@@ -148,6 +154,40 @@ class Run {
     }
     return report;
   }
+  /// Why it cannot be driven; empty: it can.
+  std::string misses(const BaseReport& base, double now) const {
+    if (!base.connected) return "it is not connected";
+    if (!base.faults.empty()) return base.faults.front();
+    const double age = now - base.stamp;
+    return age <= driver_.watch.max_silence ? "" : formatted("its newest word is %.2f s old", age);
+  }
+
+  /// The middle one of some looks, as one alone may be wrong; none: most of them saw none.
+  std::optional<PreflightFacts::Floor> floor() {
+    constexpr int kLooks = 3;
+    constexpr double kApart = 0.2;  // [s], longer than a frame
+    using Floor = PreflightFacts::Floor;
+    std::vector<Floor> seen;
+    for (int k = 0; k < kLooks; ++k) {
+      if (k > 0) stand(kApart);
+      if (const std::optional<Floor> look = inputs_.floor()) seen.push_back(*look);
+    }
+    if (2 * seen.size() <= kLooks) return std::nullopt;
+    const auto height = [](const Floor& f) {
+      return std::isfinite(f.height) ? f.height : HUGE_VAL;
+    };
+    const auto middle = seen.begin() + static_cast<std::ptrdiff_t>(seen.size() / 2);
+    std::nth_element(seen.begin(), middle, seen.end(),
+                     [&](const Floor& a, const Floor& b) { return height(a) < height(b); });
+    return *middle;
+  }
+
+  void stand(double seconds) {
+    for (const double end = parts_.clock.now() + seconds; parts_.clock.now() < end; wait()) {
+      report();
+      base_.send({}, parts_.clock.now() + command_.hold);
+    }
+  }
   void wait() { parts_.clock.wait_until(parts_.clock.now() + command_.period, {}); }
 
   /// The robot stands while its streams come.
@@ -156,17 +196,22 @@ class Run {
     for (const WatchedStream& s : parts_.streams) all.push_back({s.source, 0.0, s.limit, 0.0});
     StreamWatch watch(std::move(all), parts_.clock.now());
     const double end = parts_.clock.now() + options_.patience;
+    std::vector<double> offsets;
     for (;;) {
-      report();
+      const BaseReport told = report();
       const std::shared_ptr<const Belief> belief = newest();
       const double now = parts_.clock.now();
+      facts.base = misses(told, now);
+      const auto offset = parts_.inbox ? parts_.inbox->pair_offset() : std::nullopt;
+      if (offset) offsets.push_back(*offset);
       for (std::size_t k = 0; k < parts_.streams.size(); ++k) {
         watch.look(k, parts_.streams[k].stamp(belief.get()), now);
       }
       const bool located = belief && belief->localization != Localization::kLost;
       if (parts_.emergency_stop) facts.emergency_stop = parts_.emergency_stop->state(now);
-      const bool ready =
-          located && watch.live_for(options_.checks.live_time) && !is_stopped(facts.emergency_stop);
+      const bool ready = located && facts.base->empty() &&
+                         watch.live_for(options_.checks.live_time) &&
+                         !is_stopped(facts.emergency_stop);
       if (ready || now >= end || is_cancelled()) break;
       base_.send({}, now + command_.hold);
       wait();
@@ -181,7 +226,11 @@ class Run {
       }
       facts.clocks.push_back(clock);
     }
-    if (parts_.inbox && !facts.stereo_offset) facts.stereo_offset = parts_.inbox->pair_offset();
+    if (!offsets.empty() && !facts.stereo_offset) {
+      const auto middle = offsets.begin() + static_cast<std::ptrdiff_t>(offsets.size() / 2);
+      std::nth_element(offsets.begin(), middle, offsets.end());
+      facts.stereo_offset = *middle;
+    }
   }
 
   static bool is_stopped(const std::optional<EmergencyStopState>& button) {

@@ -6,6 +6,7 @@
 #include "runtime/base.h"
 #include "runtime/belief_source.h"
 #include "runtime/driver.h"
+#include "runtime/mission_observer.h"
 #include "runtime/preflight.h"
 
 namespace prospect {
@@ -28,14 +29,17 @@ void describe(Knobs& knobs, PreflightRunOptions& options);
 struct PreflightInputs {
   /// What is known beforehand: heights of the body, resolution, and what else no stream tells.
   PreflightFacts known{};
-  /// Asked once the streams are live; empty: nothing sees the floor.
+  /// Asked once the streams are live, of several looks; empty: nothing sees the floor.
   std::function<std::optional<PreflightFacts::Floor>()> floor{};
+  /// Told of beliefs meanwhile.
+  std::vector<MissionObserver*> observers{};
   /// Asked at each period; the base is stopped, and what was not made has failed. Empty: nobody.
   std::function<bool()> cancelled{};
 };
 
 /// Makes the checks of preflight.h on a robot: it stands until its streams have been live for
-/// checks.live_time and it knows where it is, or `patience` is over; then checks_before_motion().
+/// checks.live_time, its base can be driven and it knows where it is, or `patience` is over; then
+/// checks_before_motion(). Floor and stereo pairs are judged by the median of several looks.
 /// If none fails it turns by `turn` and what braking adds; checks_of_turn() compares. If none fails
 /// then it drives `distance` straight ahead; checks_of_distance() compares. The base's own odometry
 /// is its wheels, the pose of the belief the cameras.

@@ -10,6 +10,7 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "models/unicycle.h"
 #include "tests/engine/obstacle_worlds.h"
@@ -76,7 +77,8 @@ class PreflightRun : public ::testing::Test {
                                                          : std::nullopt;
                                          }}},
                             .requests = requests_};
-    return run_preflight(parts, base_, beliefs_, options_, driver_, {.cancelled = cancelled_});
+    return run_preflight(parts, base_, beliefs_, options_, driver_,
+                         {.floor = floor_, .observers = observers_, .cancelled = cancelled_});
   }
   static CheckResult check(const PreflightResult& result, const std::string& name) {
     for (const CheckResult& c : result.checks) {
@@ -93,6 +95,8 @@ class PreflightRun : public ::testing::Test {
   Guard guard_ = test::patient_guard(model_);
   std::function<RangeCheck(const Twist&, double)> ranges_;
   std::function<bool()> cancelled_;
+  std::function<std::optional<PreflightFacts::Floor>()> floor_;
+  std::vector<MissionObserver*> observers_;
   DriveRequests* requests_ = nullptr;
   const EmergencyStopInput* button_ = nullptr;
   PreflightRunOptions options_;
@@ -143,6 +147,51 @@ TEST_F(PreflightRun, TurnsWhereThereIsNoRoomAhead) {
   EXPECT_EQ(check(result, "way of the wheels").verdict, Verdict::kNotPossible);
   EXPECT_NE(check(result, "way of the wheels").why.find("no way: a wall"), std::string::npos);
   EXPECT_LT(base_.pose().position.norm(), 0.02);
+}
+
+TEST_F(PreflightRun, ABaseThatCannotBeDrivenFailsAndIsNotMoved) {
+  options_.patience = 0.2;
+  base_.set_fault(
+      "/cmd_vel: published by /prospect (this program), /teleop; expected one publisher");
+  PreflightResult result = make();
+  EXPECT_EQ(first_failed(result.checks), "base");
+  EXPECT_NE(check(result, "base").why.find("/teleop"), std::string::npos);
+  base_.disconnect();
+  result = make();
+  EXPECT_EQ(check(result, "base").why, "it is not connected");
+  EXPECT_EQ(base_.pose().yaw, 0.0);
+}
+
+TEST_F(PreflightRun, OneLookAtTheFloorThatIsWrongDecidesNothing) {
+  driver_.priority = 0;
+  options_.turn = options_.distance = 0.0;
+  const PreflightFacts::Floor good{0.4, 0.401, 0.0, 0.0, 0.0, 0.0, 0.001, 0.001};
+  PreflightFacts::Floor wrong = good;
+  for (const double height : {0.1, 0.9, std::nan("")}) {
+    wrong.height = height;
+    for (int which = 0; which < 3; ++which) {
+      int look = 0;
+      floor_ = [&] { return std::optional(look++ == which ? wrong : good); };
+      EXPECT_EQ(check(make(), "camera height").verdict, Verdict::kPassed) << height;
+    }
+    int look = 0;
+    floor_ = [&] { return std::optional(look++ == 0 ? good : wrong); };
+    EXPECT_EQ(check(make(), "camera height").verdict, Verdict::kFailed) << height;
+  }
+  floor_ = [&, look = 0]() mutable { return look++ == 0 ? std::optional(good) : std::nullopt; };
+  EXPECT_EQ(check(make(), "camera height").verdict, Verdict::kNotPossible);
+  EXPECT_EQ(check(make(), "priority of commands").verdict, Verdict::kNotPossible);
+}
+
+TEST_F(PreflightRun, ObserversAreToldOfBeliefs) {
+  struct Observer final : MissionObserver {
+    void on_belief(const Belief&) override { ++beliefs; }
+    std::atomic<int> beliefs{0};
+  } observer;
+  observers_ = {&observer};
+  options_.turn = options_.distance = 0.0;
+  make();
+  EXPECT_GT(observer.beliefs, 0);
 }
 
 TEST_F(PreflightRun, WaitsForWhoMayPressTheEmergencyStop) {

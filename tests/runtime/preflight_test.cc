@@ -28,7 +28,9 @@ Facts well() {
   f.stereo_offset = 0.0002;
   f.clocks = {{"cameras", -1.7e9, 0}};
   f.streams = {{"cameras", 0.05, 0.3, 4.0}, {"depth", 0.1, 0.5, 4.0}};
+  f.base = "";
   f.emergency_stop.emplace();
+  f.priority = "";
   f.dead_man = 0.5;
   f.command_period = 0.05;
   f.speed = {0.8, 0.7};
@@ -53,11 +55,12 @@ std::vector<std::string> names_of(const std::vector<CheckResult>& results) {
 
 TEST(Preflight, PassesARobotThatIsAsItShouldBe) {
   const std::vector<CheckResult> results = checks_before_motion(well());
-  EXPECT_THAT(names_of(results),
-              ::testing::ElementsAre("camera height", "camera tilt", "body above the floor",
-                                     "cameras in step", "clock of cameras", "stream of cameras",
-                                     "stream of depth", "emergency stop", "dead-man",
-                                     "largest speed", "largest yaw rate", "deceleration"));
+  EXPECT_THAT(
+      names_of(results),
+      ::testing::ElementsAre("camera height", "camera tilt", "body above the floor",
+                             "cameras in step", "clock of cameras", "stream of cameras",
+                             "stream of depth", "base", "emergency stop", "priority of commands",
+                             "dead-man", "largest speed", "largest yaw rate", "deceleration"));
   for (const CheckResult& result : results) {
     EXPECT_EQ(to_string(result.verdict), "passed") << result.check << ": " << result.why;
     EXPECT_FALSE(result.why.empty());
@@ -74,7 +77,9 @@ TEST(Preflight, SkipsNothingInSilence) {
                                                         {"cameras in step", kNotPossible},
                                                         {"clocks", kNotPossible},
                                                         {"streams", kFailed},
+                                                        {"base", kNotPossible},
                                                         {"emergency stop", kNotPossible},
+                                                        {"priority of commands", kNotPossible},
                                                         {"dead-man", kFailed},
                                                         {"largest speed", kNotPossible},
                                                         {"largest yaw rate", kNotPossible},
@@ -103,6 +108,10 @@ TEST(Preflight, TableOfFaults) {
            {"10 cm too low", [](Facts& f) { f.floor->height = 0.35; }, "camera height", kFailed},
            {"no number", [](Facts& f) { f.floor->height = kNan; }, "camera height", kFailed},
            {"pitched", [](Facts& f) { f.floor->pitch = 0.03; }, "camera tilt", kWarned},
+           {"a second commander", [](Facts& f) { f.base = "/cmd_vel: published by two"; }, "base",
+            kFailed},
+           {"no SCHED_FIFO", [](Facts& f) { f.priority = "it is refused"; }, "priority of commands",
+            kWarned},
            {"rolled", [](Facts& f) { f.floor->roll = -0.1; }, "camera tilt", kFailed},
            {"pitched as stated", [](Facts& f) { f.floor->pitch = f.floor->stated_pitch = 0.3; },
             "camera tilt", kPassed},

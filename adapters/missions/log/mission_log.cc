@@ -1,5 +1,6 @@
 #include "adapters/missions/log/mission_log.h"
 
+#include <algorithm>
 #include <utility>
 #include <variant>
 
@@ -56,11 +57,15 @@ void MissionLog::on_frame(const SensorFrame& frame) {
 
 void MissionLog::on_belief(const Belief& belief) { messages_.belief(belief); }
 
+double MissionLog::asked_at(const Belief& belief) {
+  return asked_ = std::max(asked_, belief.stamp);
+}
+
 void MissionLog::on_prepare(const Belief& belief) {
-  if (calls_) messages_.planner_call(asked_ = belief.stamp, writer_.prepare(belief));
+  if (calls_) messages_.planner_call(asked_at(belief), writer_.prepare(belief));
 }
 void MissionLog::on_plan(const Belief& belief) {
-  if (calls_) messages_.planner_call(asked_ = belief.stamp, writer_.plan(belief));
+  if (calls_) messages_.planner_call(asked_at(belief), writer_.plan(belief));
 }
 void MissionLog::on_planned(const Plan& plan) {
   if (calls_) messages_.planner_call(asked_, writer_.planned(plan));

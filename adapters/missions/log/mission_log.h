@@ -57,6 +57,8 @@ class MissionLog final : public RunObserver {
   MissionMessages messages_;
   // Of the planner's thread: the time of a plan and of a task is that of the belief before it.
   PlannerCallWriter writer_;
+  /// When a call is logged: its belief's stamp, which of a plan lies ahead, but never back.
+  double asked_at(const Belief& belief);
   double asked_ = 0.0;   // [s]
   double status_ = 0.0;  // [s] of the newest
 };

@@ -147,6 +147,7 @@ ExplorationRunResult live_mission(const Robot& robot, const Configuration& c,
   inputs.known.body = c.robot.slice();
   inputs.known.resolution = c.perception.mapping.resolution;
   inputs.cancelled = mission.cancelled;
+  inputs.observers = mission.observers;
   if (depth) {
     inputs.floor = [&] { return floor_in(*robot.frames, looking, c.robot.base_height()); };
   }

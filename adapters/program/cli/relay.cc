@@ -11,6 +11,8 @@
 #include "adapters/program/cli/interrupt.h"
 #include "adapters/robots/dds/dds_relay.h"
 #include "models/range_text.h"
+#include "runtime/driver.h"
+#include "runtime/realtime_priority.h"
 
 namespace prospect {
 namespace {
@@ -44,11 +46,14 @@ int relay(const RelayArguments& arguments, const Registries& registries, SignalG
   complete_limits(limits,
                   read_configuration(arguments.configuration, registries, arguments.settings));
   signals.note();  // the motors are told to stop
+  // Before it starts threads, which pass commands on.
+  const RealtimePriority first(DriverOptions().priority, RealtimePriority::Started::kLikewise);
   DdsRelay relay(options);
   std::cerr << "prospect relay: at most " << exact_text(*limits.speed) << " m/s, "
             << exact_text(*limits.yaw_rate) << " rad/s, " << exact_text(*limits.acceleration)
             << " m/s^2, " << exact_text(*limits.yaw_acceleration) << " rad/s^2; for "
             << exact_text(options.command.dead_man) << " s\n";
+  if (!first.problem().empty()) std::cerr << "prospect relay: " << first.problem() << '\n';
   relay.run(signals.came(),
             [](const std::string& line) { std::cerr << "prospect relay: " << line << '\n'; });
   return kCancelled;

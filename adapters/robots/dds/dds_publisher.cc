@@ -110,6 +110,10 @@ struct DdsPublisher::Impl {
     }
   }
 
+  ros::Header header_of(const Belief& belief) const {
+    return {base.ros_time(belief.stamp), options.frames.map};
+  }
+
   void publish_transforms(const ros::Header& header, const Belief& belief) {
     const auto T_odom_base = base.odometry(belief.stamp);
     if (transforms < 0 || !T_odom_base) return;
@@ -250,12 +254,15 @@ DdsPublisher::DdsPublisher(const DdsOptions& options, DdsNode& node, const DdsBa
     : impl_(std::make_unique<Impl>(options, node, base, clock, std::move(model))) {}
 DdsPublisher::~DdsPublisher() = default;
 
+void DdsPublisher::on_belief(const Belief& belief) {
+  impl_->publish_transforms(impl_->header_of(belief), belief);
+}
+
 void DdsPublisher::on_step(const MissionStep& step) {
   const Belief& belief = *step.belief;
-  const ros::Header header{impl_->base.ros_time(belief.stamp), impl_->options.frames.map};
+  const ros::Header header = impl_->header_of(belief);
   std::vector<Pose> poses;
   for (const Eigen::VectorXd& x : step.plan->states) poses.push_back(impl_->model->pose(x));
-  impl_->publish_transforms(header, belief);
   impl_->publish_path(*step.plan, poses);
   impl_->publish_markers(header, step, poses);
   impl_->publish_diagnostics(header, step);

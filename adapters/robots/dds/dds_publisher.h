@@ -11,7 +11,8 @@
 
 namespace prospect {
 
-/// What a mission tells the other nodes, after each planning step:
+/// What a mission tells the other nodes, transforms with each belief, all else after each planning
+/// step:
 ///
 ///   path         nav_msgs/msg/Path              the states of the plan
 ///   map          nav_msgs/msg/OccupancyGrid     the ground map: 0 free, 100 occupied, -1 unknown
@@ -25,13 +26,14 @@ namespace prospect {
 /// Maps go out every output.map_period.
 ///
 /// Declares its topics on the node: make it before DdsNode::start(). Base, node and clock must
-/// outlive it. Thread-safety: one thread at a time. on_step() throws only if memory is used up.
+/// outlive it. Thread-safety: as MissionObserver; both throw only if memory is used up.
 class DdsPublisher final : public MissionObserver {
  public:
   DdsPublisher(const DdsOptions& options, DdsNode& node, const DdsBase& base, const Clock& clock,
                std::shared_ptr<const MotionModel> model);
   ~DdsPublisher() override;
 
+  void on_belief(const Belief& belief) override;
   void on_step(const MissionStep& step) override;
 
  private:

@@ -492,17 +492,18 @@ TEST(KnobMembers, EveryNumberAndSwitchOfDrivingIsAKnob) {
   }
   {
     CommandFollowingOptions o;
-    [[maybe_unused]] auto& [lag, slip, least_speed, least_rate, more_distance, more_turn,
-                            less_distance, less_turn] = o;
-    EXPECT_KNOBS(o, lag, slip, least_speed, least_rate, more_distance, more_turn, less_distance,
-                 less_turn);
+    [[maybe_unused]] auto& [lag, slip, least_speed, least_rate, more_distance, turn,
+                            less_distance] = o;
+    EXPECT_KNOBS(o, lag, slip, least_speed, least_rate, more_distance, turn, less_distance);
   }
   {
     DriverOptions o;
     [[maybe_unused]] auto& [command, mode, watch, following, replan_period, least_latency,
-                            most_latency, perception_limit, planner_limit, command_limit] = o;
+                            most_latency, perception_limit, planner_limit, command_limit,
+                            priority] = o;
     EXPECT_KNOBS(o, command.period, mode.live_time, watch.max_silence, following.lag, replan_period,
-                 least_latency, most_latency, perception_limit, planner_limit, command_limit);
+                 least_latency, most_latency, perception_limit, planner_limit, command_limit,
+                 priority);
   }
   {
     PreflightOptions o;

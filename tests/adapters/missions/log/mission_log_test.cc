@@ -20,6 +20,7 @@
 #include "adapters/formats/ros/rcl_interfaces.h"
 #include "adapters/missions/config/configuration.h"
 #include "adapters/missions/log/logged_run.h"
+#include "adapters/missions/log/planner_calls.h"
 #include "adapters/missions/run/configured_record.h"
 #include "adapters/views/report/report.h"
 #include "tests/adapters/synthetic_run.h"
@@ -123,6 +124,32 @@ TEST_F(MissionLogTest, AKilledOneHasTheStepsThatCame) {
   EXPECT_EQ(read.record.summary.path_length_m, record.steps[steps - 1].path_length);
   EXPECT_EQ(read.record.steps.back().why, record.steps[steps - 1].why);
   EXPECT_THAT(render_report(read.record), HasSubstr("log ends early"));
+}
+
+// A plan is asked for ahead of its time, the next preparation now. Who reads a log reads it in the
+// order of its stamps.
+TEST_F(MissionLogTest, StampsOfPlannerCallsNeverGoBack) {
+  options_.calls = true;
+  {
+    MissionLog log(path_, start_, options_);
+    Belief belief;
+    for (double now = 5.0; now < 6.0; now += 0.1) {
+      belief.stamp = now;
+      log.on_prepare(belief);
+      belief.stamp = now + 0.3;
+      log.on_plan(belief);
+      log.on_planned(Plan());
+    }
+    log.finish(RunRecord());
+  }
+  const BagFile bag = BagFile::open(path_);
+  const BagTopic* calls = bag.find("/planner/calls");
+  ASSERT_NE(calls, nullptr);
+  EXPECT_EQ(calls->messages.size(), 30u);
+  for (std::size_t n = 0; n < calls->messages.size(); ++n) {
+    const std::string bytes = bag.read(calls->messages[n]);
+    EXPECT_EQ(ros::from_cdr<PlannerCall>(bytes, "call").sequence, n);
+  }
 }
 
 TEST_F(MissionLogTest, EveryTopicHasItsMessage) {

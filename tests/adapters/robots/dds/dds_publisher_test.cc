@@ -118,6 +118,7 @@ TEST(DdsPublisher, TellsTheOtherNodesWhatTheMissionDoes) {
       kPatience, [&] { return listener.has_all(); },
       [&] {
         listener.odometry();
+        publisher.on_belief(belief);
         publisher.on_step(step);
       }));
   const auto path = listener.newest<ros::Path>(options.output.path);
@@ -155,6 +156,14 @@ TEST(DdsPublisher, TellsTheOtherNodesWhatTheMissionDoes) {
   EXPECT_NEAR(tf.transforms[0].transform.rotation.z, M_SQRT1_2, 1e-9);
   EXPECT_EQ(tf.transforms[1].child_frame_id, "base_link");
   EXPECT_EQ(tf.transforms[1].transform.translation.x, 1.0);
+
+  // With each pose, whether a step comes of it or not.
+  belief.pose.position.x() = 7.0;
+  publisher.on_belief(belief);
+  EXPECT_TRUE(within(kPatience, [&] {
+    const auto newest = listener.newest<ros::TFMessage>("/tf");
+    return std::abs(newest.transforms[0].transform.translation.x - 7.0) < 1e-9;
+  }));
 
   const auto markers = listener.newest<ros::MarkerArray>(options.output.markers);
   ASSERT_EQ(markers.markers.size(), 3u);
