@@ -34,13 +34,13 @@ box() {
 {
   echo solid two_storeys
   for z in 0 3; do
-    box 0 0 "$z" 8 6 "$z"
-    box 0 0 $z 8 0.2 $((z + 2))
-    box 0 5.8 $z 8 6 $((z + 2))
-    box 0 0 $z 0.2 6 $((z + 2))
-    box 7.8 0 $z 8 6 $((z + 2))
+    box 0 0 "$z" 4 3 "$z"
+    box 0 0 $z 4 0.2 $((z + 2))
+    box 0 2.8 $z 4 3 $((z + 2))
+    box 0 0 $z 0.2 3 $((z + 2))
+    box 3.8 0 $z 4 3 $((z + 2))
   done
-  box 5 0 3 5.2 4 5
+  box 2.6 0 3 2.8 1.6 5
   echo endsolid two_storeys
 } >two_storeys.stl
 {
@@ -55,14 +55,18 @@ box() {
 read_as() {
   local what="$1" entry="$2"
   shift 2
-  rm -rf plain told repeated
-  run explore "$1" --time-limit 1 --quiet --out plain
-  if ((code == 3)); then
-    grep -q 'not built in' err.txt || fail "$what: exit 3, but '$err'"
-    return
+  rm -rf told repeated
+  if [[ ! -e $1.steps.csv ]]; then
+    rm -rf plain
+    run explore "$1" --time-limit 1 --quiet --out plain
+    if ((code == 3)); then
+      grep -q 'not built in' err.txt || fail "$what: exit 3, but '$err'"
+      return
+    fi
+    cp plain/steps.csv "$1.steps.csv"
   fi
   timed_out "$what" explore "$@" --time-limit 1 --quiet --out told
-  ! cmp -s plain/steps.csv told/steps.csv || fail "$what: changes nothing"
+  ! cmp -s "$1.steps.csv" told/steps.csv || fail "$what: changes nothing"
   grep -qF "  $entry " told/config.yaml || fail "$what: no '$entry' in $(grep -A6 '^world:' told/config.yaml)"
   timed_out "$what, repeated" explore "$1" --config told/config.yaml --quiet --out repeated
   cmp -s told/steps.csv repeated/steps.csv || fail "$what: config.yaml does not repeat the run"

@@ -183,8 +183,9 @@ std::string Drawing::png(double dots_per_inch) const {
       }
     }
   }
+  // Level 9 makes figures 3 % smaller and takes twice as long.
   const std::vector<std::uint8_t> bytes =
-      encode_pixels(".png", image, {cv::IMWRITE_PNG_COMPRESSION, 9});
+      encode_pixels(".png", image, {cv::IMWRITE_PNG_COMPRESSION, 6});
   return {bytes.begin(), bytes.end()};
 }
 
