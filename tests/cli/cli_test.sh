@@ -318,6 +318,16 @@ for row in '| any | exhausted for look_around | done | explored |' '| retreat | 
   '| reduced margin |' '| hold |'; do
   grep -qF "$row" out.txt || fail "list modes: no row '$row'"
 done
+succeeds "list links" list links
+for row in '/cmd_vel' '| emergency stop | none | 1 or more | 1 |'; do
+  grep -qF "$row" out.txt || fail "list links: no row '$row'"
+done
+printf 'emergency_stop: /stop\nemergency_stop_publishers: 2\ncommand: {dead_man: 0.5}\n' >robot.yaml
+succeeds "list links of a robot" list links --ros robot.yaml --json
+grep -q '"topic": "/stop"' out.txt || fail "list links --ros: no '/stop' in '$out'"
+refused "links of a robot, of worlds" "--ros: given with 'worlds'" "expected it with links" \
+  list worlds --ros robot.yaml
+rm robot.yaml
 succeeds "list modes as JSON" list modes --json
 grep -q '"cause": "localization lost"' out.txt || fail "list modes --json: no cause"
 succeeds "list drive-modes" list drive-modes
