@@ -343,7 +343,8 @@ struct DdsNode::Impl {
   }
   void look_at_participants() {
     look_at<dds_builtintopic_participant_t>(others, [&](const auto& other, bool there) {
-      discovered.set_participant(key_of(other.key), there ? name_in(other.qos) : "");
+      there ? discovered.set_participant(key_of(other.key), name_in(other.qos))
+            : discovered.remove_participant(key_of(other.key));
     });
   }
   void look_at_endpoints(dds_entity_t reader, bool they_write) {

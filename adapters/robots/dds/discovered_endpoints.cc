@@ -20,7 +20,10 @@ void DiscoveredEndpoints::add(const std::string& key, DiscoveredEndpoint endpoin
 }
 
 void DiscoveredEndpoints::set_participant(const std::string& key, const std::string& name) {
-  if (!name.empty()) return put(participants_, key, name);
+  if (!name.empty()) put(participants_, key, name);
+}
+
+void DiscoveredEndpoints::remove_participant(const std::string& key) {
   participants_.erase(key);
   nodes_.erase(key);
 }

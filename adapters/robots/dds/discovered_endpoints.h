@@ -21,8 +21,9 @@ class DiscoveredEndpoints {
   void add(const std::string& key, DiscoveredEndpoint endpoint);
   void remove(const std::string& key) { endpoints_.erase(key); }
 
-  /// What a participant says of itself: its name, or that of its process; empty: it has gone.
+  /// What a participant says of itself: its name, or that of its process; empty: nothing.
   void set_participant(const std::string& key, const std::string& name);
+  void remove_participant(const std::string& key);
   /// The nodes of ROS 2 that a participant tells of (ros_discovery_info): each endpoint's.
   void set_nodes(const std::string& participant,
                  std::map<std::string, std::string> node_of_endpoint);

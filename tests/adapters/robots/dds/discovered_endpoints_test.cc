@@ -30,6 +30,8 @@ TEST(DiscoveredEndpoints, TellsWhoPublishesByTheBestNameThereIs) {
   EXPECT_EQ(all.other_type("rt/cmd_vel", "TwistStamped", false), "");
   all.remove("b");
   all.set_participant("P", "");
+  EXPECT_THAT(all.writers("rt/cmd_vel", ""), ElementsAre("the process rviz2 (123 on robot)"));
+  all.remove_participant("P");
   EXPECT_THAT(all.writers("rt/cmd_vel", ""), ElementsAre("61"));
 }
 
