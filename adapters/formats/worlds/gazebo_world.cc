@@ -73,6 +73,12 @@ bool is_true(const char* value) {
   return word == "true" || word == "1";
 }
 
+/// What ends a world: it is too large, not only a part of it broken.
+class TooMuch : public InputError {
+ public:
+  using InputError::InputError;
+};
+
 class Reader {
  public:
   Reader(const std::string& path, LoadProgress progress)
@@ -117,6 +123,7 @@ class Reader {
     std::string relative_to;                  ///< where the pose does not say; "": its scope
     std::string placement;                    ///< of a model: the frame in it that the pose is of
     std::unique_ptr<Scope> inside;            ///< of a model
+    std::string included;                     ///< the uri of what it was included by; "": was not
     std::optional<Eigen::Affine3d> in_world;  ///< by <state>
     enum { kNew, kBusy, kDone } stage = kNew;
     Eigen::Affine3d T = Eigen::Affine3d::Identity();  ///< in its scope
@@ -135,6 +142,11 @@ class Reader {
   [[noreturn]] static void refuse(const std::string& file, const XMLElement& element,
                                   const std::string& what) {
     throw InputError(file + ":" + std::to_string(element.GetLineNum()) + ": " + what);
+  }
+
+  [[noreturn]] static void too_much(const std::string& file, const XMLElement& element,
+                                    const std::string& what) {
+    throw TooMuch(file + ":" + std::to_string(element.GetLineNum()) + ": " + what);
   }
 
   /// The root <sdf> of a file, which is read once, however often it is included.
@@ -268,9 +280,9 @@ class Reader {
   void fill(Node& model, const XMLElement& element, Scope& parent, const std::string& file,
             int depth) {
     if (++models_ > kMostModels) {
-      refuse(file, element,
-             "more than " + std::to_string(kMostModels) +
-                 " models with what is included; expected fewer");
+      too_much(file, element,
+               "more than " + std::to_string(kMostModels) +
+                   " models with what is included; expected fewer");
     }
     model.inside = std::make_unique<Scope>();
     model.inside->file = file;
@@ -286,7 +298,7 @@ class Reader {
          e = e->NextSiblingElement()) {
       const std::string kind = e->Name(), name = without_space(e->Attribute("name"));
       if (kind == "include") {
-        include(*e, scope, depth);
+        include_or_tell(*e, scope, depth);
       } else if (kind == "model") {
         fill(add(scope, Node::kModel, *e, scope.file, name), *e, scope, scope.file, depth);
       } else if (kind == "link") {
@@ -333,11 +345,45 @@ class Reader {
     lights_and_more_.name(what + " " + in_quotes(name) + " (absent)");
   }
 
-  void include(const XMLElement& element, Scope& scope, int depth) {
-    if (depth >= kDeepest) {
-      refuse(scope.file, element, "models that include each other; expected an end of that");
-    }
+  /// An included file that is broken is left out and told: the world does without it.
+  void include_or_tell(const XMLElement& element, Scope& scope, int depth) {
     const std::string uri = text(scope.file, element, "uri");
+    const std::size_t before = scope.nodes.size();
+    try {
+      include(element, uri, scope, depth);
+    } catch (const TooMuch&) {
+      throw;
+    } catch (const InputError& error) {
+      drop(scope, before);
+      leave_out_broken(uri, error);
+      return;
+    }
+    for (std::size_t n = before; n < scope.nodes.size(); ++n) scope.nodes[n]->included = uri;
+  }
+
+  /// Takes nodes out of a scope, from the one at `first` on.
+  void drop(Scope& scope, std::size_t first) {
+    for (std::size_t n = first; n < scope.nodes.size(); ++n) {
+      const Node* node = scope.nodes[n].get();
+      std::erase_if(scope.named, [&](const auto& named) { return named.second == node; });
+      if (const auto merged = merged_.find(&scope); merged != merged_.end()) {
+        std::erase_if(merged->second,
+                      [&](const auto& named) { return named.second.first == node; });
+      }
+      dropped_.push_back(std::move(scope.nodes[n]));  // its scopes keep their addresses
+    }
+    scope.nodes.resize(first);
+  }
+
+  void leave_out_broken(const std::string& uri, const InputError& error) {
+    lights_and_more_.name("model " + in_quotes(uri) + " (" + error.lines().front().substr(0, 200) +
+                          ")");
+  }
+
+  void include(const XMLElement& element, const std::string& uri, Scope& scope, int depth) {
+    if (depth >= kDeepest) {
+      too_much(scope.file, element, "models that include each other; expected an end of that");
+    }
     const std::string name = element.FirstChildElement("name") != nullptr
                                  ? without_space(element.FirstChildElement("name")->GetText())
                                  : "";
@@ -403,7 +449,7 @@ class Reader {
       } else if (kind == "include") {
         Scope& inner = *wrap(scope, *e, pose, depth).inside;
         inner.file = file;
-        include(*e, inner, depth + 1);
+        include_or_tell(*e, inner, depth + 1);
         any = true;
       } else {
         any = any || kind == "light" || kind == "actor";
@@ -417,11 +463,11 @@ class Reader {
   Node& wrap(Scope& scope, const XMLElement& element, const XMLElement* pose, int depth) {
     Node& node = add(scope, Node::kModel, element, scope.file, "");
     if (++models_ > kMostModels || depth >= kDeepest) {
-      refuse(scope.file, element,
-             "more than " + std::to_string(kMostModels) +
-                 " models with what is included, or more "
-                 "than " +
-                 std::to_string(kDeepest) + " inside each other; expected fewer");
+      too_much(scope.file, element,
+               "more than " + std::to_string(kMostModels) +
+                   " models with what is included, or more "
+                   "than " +
+                   std::to_string(kDeepest) + " inside each other; expected fewer");
     }
     node.pose = pose;
     node.inside = std::make_unique<Scope>();
@@ -536,8 +582,26 @@ class Reader {
     const Eigen::Affine3d T_WS = scope_in_world(scope);
     for (const std::unique_ptr<Node>& node : scope.nodes) {
       if (deleted_.count(node.get()) > 0) continue;
-      if (node->kind == Node::kModel && node->inside != nullptr) show(*node->inside);
+      if (node->kind == Node::kModel && node->inside != nullptr) show_model(*node, scope);
       if (node->kind == Node::kLink) show_link(*node, scope, T_WS);
+    }
+  }
+
+  void show_model(Node& model, Scope& scope) {
+    if (model.included.empty()) return show(*model.inside);
+    // A pose that its includer gives is the includer's.
+    if (!model.in_world && model.file == scope.file) pose_in_scope(model, scope);
+    const std::size_t vertices = mesh_.vertices.size(), triangles = mesh_.triangles.size();
+    try {
+      show(*model.inside);
+    } catch (const TooMuch&) {
+      throw;
+    } catch (const InputError& error) {
+      mesh_.vertices.resize(vertices);
+      mesh_.uv.resize(vertices);
+      mesh_.triangles.resize(triangles);
+      mesh_.material.resize(triangles);
+      leave_out_broken(model.included, error);
     }
   }
 
@@ -589,8 +653,8 @@ class Reader {
       return;
     }
     if (++shapes_ > kMostShapes) {
-      refuse(place.file, visual,
-             "more than " + std::to_string(kMostShapes) + " shapes; expected fewer");
+      too_much(place.file, visual,
+               "more than " + std::to_string(kMostShapes) + " shapes; expected fewer");
     }
     const XMLElement& shape = *first;
     const std::string kind = shape.Name();
@@ -809,8 +873,8 @@ class Reader {
 
   void append(const TexturedMesh& part, const Eigen::Affine3d& T, std::uint32_t first_texture) {
     if (mesh_.triangles.size() + part.triangles.size() > kMostTriangles) {
-      throw InputError(mesh_file_ + ": more than " + std::to_string(kMostTriangles) +
-                       " triangles in all; expected fewer");
+      throw TooMuch(mesh_file_ + ": more than " + std::to_string(kMostTriangles) +
+                    " triangles in all; expected fewer");
     }
     append_triangles(part, T, first_texture, mesh_);
   }
@@ -883,9 +947,9 @@ class Reader {
     seconds_in_vain_ += std::chrono::duration<double>(Clock::now() - begin).count();
     constexpr double kMost = 120.0;  // [s]
     if (seconds_in_vain_ > kMost) {
-      refuse(place.file, shape,
-             "meshes that cannot be read have taken more than two minutes; "
-             "expected sound ones");
+      too_much(place.file, shape,
+               "meshes that cannot be read have taken more than two minutes; "
+               "expected sound ones");
     }
     return std::nullopt;
   }
@@ -1041,6 +1105,7 @@ class Reader {
   std::map<const Scope*, std::map<std::string, std::pair<Node*, Node*>>> merged_;
   LoadProgress progress_;
   std::set<const Node*> deleted_;
+  std::vector<std::unique_ptr<Node>> dropped_;
   std::map<std::tuple<std::string, std::string, bool>, Part> parts_;
   std::set<std::string> unreadable_;  ///< files of meshes
   double seconds_in_vain_ = 0.0;

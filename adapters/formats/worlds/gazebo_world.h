@@ -26,10 +26,10 @@ namespace prospect {
 /// GZ_SIM_RESOURCE_PATH, IGN_GAZEBO_RESOURCE_PATH or SDF_PATH; then from the file, the models'
 /// folders, and where the world lies or one or two above. Other names are from the file first.
 ///
-/// Told in left_out: models and meshes that are not found, meshes that cannot be read, with the
-/// reason, other shapes (heightmaps), lights, plug-ins, sensors, actors, the collisions of links
-/// that show nothing, elements that are not known, and what read_mesh_file tells. Physics and the
-/// like are not told.
+/// Told in left_out: models and meshes that are not found, included files and meshes that cannot be
+/// read, with the reason, other shapes (heightmaps), lights, plug-ins, sensors, actors, the
+/// collisions of links that show nothing, elements that are not known, and what read_mesh_file
+/// tells. Physics and the like are not told.
 ///
 /// Throws InputError with file and line: the file is missing or no SDF, or still to be expanded by
 /// xacro; numbers that are none, frames that are not there or in a circle; <population>; models

@@ -528,6 +528,46 @@ TEST(GazeboWorld, SubmeshesAreKeptApart) {
       << wrong;
 }
 
+TEST(GazeboWorld, ABrokenIncludeIsLeftOutAndNamed) {
+  const test::Folder folder("gazebo broken include");
+  const auto model = [](const std::string& content) {
+    return sdf("<model name='m'>" + content + "</model>");
+  };
+  const std::string good = visual(box("1 1 1"));
+  const struct {
+    std::string content, why;
+  } rows[] = {
+      {"<sdf><model>", "thing.sdf:1: no whole XML"},
+      {"", "no whole XML"},
+      {"<robot name='r'/>", "its root is 'robot', a URDF"},
+      {sdf("<nothing/>"), "holds no model; expected one"},
+      {model("<pose>1 2</pose>" + good), "expected 6 numbers"},
+      {model(good + visual(box("1 x 1"))), "thing.sdf:3: <size> holds '1 x 1'"},
+      {model(good + visual("<sphere><radius>-1</radius></sphere>")), "a negative <radius>"},
+      {model(good + "<link name='k'><pose relative_to='gone'/></link>"), "relative to 'gone'"},
+      {model("<include><uri>broken.sdf</uri></include>" + good), "broken.sdf:1: no whole XML"}};
+  folder.write("broken.sdf", "<sdf>");
+  for (const auto& row : rows) {
+    SCOPED_TRACE(row.why);
+    folder.write("thing.sdf", row.content);
+    const TexturedMesh mesh = read_gazebo_world(folder.write(
+        "a.world", sdf("<world name='w'><include><uri>thing.sdf</uri></include><model name='n'>" +
+                       visual(box("2 2 2")) + "</model></world>")));
+    // What the world holds itself, and of a part that is broken the rest.
+    const bool nested = row.why.starts_with("broken");
+    EXPECT_EQ(mesh.triangles.size(), nested ? 24u : 12u);
+    EXPECT_EQ(mesh.vertices.size(), mesh.uv.size());
+    EXPECT_EQ(mesh.triangles.size(), mesh.material.size());
+    EXPECT_NE(mesh.left_out.text().find(row.why), std::string::npos) << mesh.left_out.text();
+  }
+  // What the world says of it itself is the world's.
+  folder.write("thing.sdf", model(good));
+  EXPECT_NE(problem(folder.write("a.world", sdf("<world name='w'><include><uri>thing.sdf</uri>"
+                                                "<pose>1 2</pose></include></world>")))
+                .find("a.world:3: <pose> holds '1 2'"),
+            std::string::npos);
+}
+
 TEST(GazeboWorld, IncludesOfIncludesEnd) {
   const test::Folder folder("gazebo bomb");
   constexpr int kLevels = 10;
