@@ -2,14 +2,19 @@
 // calib_cam_to_cam.txt beside it or in the folder of the day, above. Or of KITTI-360: data_rect for
 // data, and calibration/perspective.txt beside the folder of the drives.
 
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <sstream>
 
+#include "adapters/formats/datasets/elements.h"
 #include "adapters/formats/datasets/kitti_raw_calibration.h"
 #include "adapters/formats/datasets/number_text.h"
 #include "adapters/formats/datasets/numbered_files.h"
 #include "adapters/formats/datasets/stereo_source.h"
+#include "adapters/formats/datasets/trajectory.h"
 
 namespace prospect {
 namespace {
@@ -67,6 +72,54 @@ std::vector<double> read_raw_times(const std::string& path) {
   return times;
 }
 
+/// Of KITTI-360, data_poses/DRIVE/cam0_to_world.txt beside the folder of the drives, or in the
+/// drive; "" if there is none.
+std::string poses_file(const std::string& path) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  const fs::path folder = fs::absolute(path + "/x").lexically_normal().parent_path();
+  const fs::path above = folder.parent_path().parent_path() / "data_poses" / folder.filename();
+  for (const fs::path& place : {folder, above}) {
+    if (fs::exists(place / "cam0_to_world.txt", error)) {
+      return (place / "cam0_to_world.txt").string();
+    }
+  }
+  return "";
+}
+
+/// The number of an image and the 4 x 4 matrix of the rectified camera 0 to the world a line; not
+/// each image has one. Times are those of the images.
+Trajectory read_cam0_to_world(const std::string& path, const std::vector<std::int64_t>& numbers,
+                              const std::vector<double>& stamps, std::vector<std::string>& notes) {
+  Trajectory truth;
+  Elements poses("poses of " + path);
+  std::istringstream lines(read_whole_file(path));
+  std::string line;
+  std::vector<double> n;
+  for (int k = 1; std::getline(lines, line); ++k) {
+    if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
+    const std::string where = path + ":" + std::to_string(k);
+    if (!parse_any_numbers(line, n) || n.size() != 17 || !(std::abs(n[0]) < 1e15) ||
+        n[0] != std::floor(n[0])) {
+      throw InputError(where +
+                       ": not a pose; expected the number of an image and a 4 x 4 matrix by rows");
+    }
+    const auto image =
+        std::lower_bound(numbers.begin(), numbers.end(), static_cast<std::int64_t>(n[0]));
+    if (image == numbers.end() || *image != static_cast<std::int64_t>(n[0])) continue;
+    const double stamp = stamps[static_cast<std::size_t>(image - numbers.begin())];
+    if (!truth.empty() && !(stamp > truth.back().stamp)) {
+      throw InputError(where + ": the number does not increase; expected increasing ones");
+    }
+    poses.read([&] {
+      const Eigen::Matrix3d R{{n[1], n[2], n[3]}, {n[5], n[6], n[7]}, {n[9], n[10], n[11]}};
+      truth.push_back({stamp, checked_pose({n[4], n[8], n[12]}, R, where)});
+    });
+  }
+  poses.finish(notes);
+  return truth;
+}
+
 }  // namespace
 
 bool is_kitti_raw(const std::string& path) {
@@ -88,9 +141,10 @@ StereoSource open_kitti_raw(const std::string& path, const StereoDatasetOptions&
   };
   if (!find_pair(0) && find_pair(2)) {
     first = 2;
-    source.notes.push_back("the colour pair, image_02 and image_03, as grey");
+    source.notes.emplace_back("the colour pair, image_02 and image_03, as grey");
   }
   source.layout = folders[0].ends_with("/data_rect") ? "KITTI-360" : "KITTI raw";
+  std::vector<std::int64_t> left_numbers;
   for (int i = 0; i < 2; ++i) {
     source.attempt([&] {
       const std::string camera = path + "/image_0" + std::to_string(first + i);
@@ -108,6 +162,7 @@ StereoSource open_kitti_raw(const std::string& path, const StereoDatasetOptions&
         numbers.push_back(image.number);
         paths.push_back(image.path);
       }
+      if (i == 0) left_numbers = numbers;
       const std::string stamps_path = camera + "/timestamps.txt";
       std::vector<double> stamps;
       if (fs::exists(stamps_path, error)) {
@@ -146,8 +201,14 @@ StereoSource open_kitti_raw(const std::string& path, const StereoDatasetOptions&
                              ? read_kitti_raw_calibration(file, first)
                              : read_stereo_calibration(file, options.rectified);
   });
-  if (fs::is_directory(path + "/oxts", error)) {
-    source.notes.push_back("oxts (satellite navigation) is not read: no ground truth");
+  if (const std::string poses = poses_file(path); !poses.empty() && first == 0) {
+    source.attempt([&] {
+      if (left_numbers.size() != source.left.size()) return;  // its images are missing
+      source.truth = read_cam0_to_world(poses, left_numbers, source.left.stamps, source.notes);
+      source.notes.push_back("ground truth from " + poses);
+    });
+  } else if (fs::is_directory(path + "/oxts", error)) {
+    source.notes.emplace_back("oxts (satellite navigation) is not read: no ground truth");
   }
   return source;
 }

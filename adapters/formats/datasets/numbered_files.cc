@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <fstream>
 #include <sstream>
+#include <string_view>
+#include <utility>
 
 #include "adapters/formats/files/input_error.h"
 
@@ -42,9 +44,12 @@ std::vector<std::pair<std::uint64_t, std::string>> numbered_files(const std::str
 std::string read_whole_file(const std::string& path) {
   std::ifstream file(path);
   if (!file || fs::is_directory(path)) throw InputError(path + ": cannot be read; expected a file");
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
+  std::ostringstream out;
+  out << file.rdbuf();
+  std::string text = std::move(out).str();
+  constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";  // editors of Windows put it there
+  if (text.starts_with(kByteOrderMark)) text.erase(0, kByteOrderMark.size());
+  return text;
 }
 
 }  // namespace prospect

@@ -15,7 +15,8 @@ std::vector<std::pair<std::uint64_t, std::string>> numbered_files(const std::str
                                                                   const std::string& prefix,
                                                                   const std::string& suffix);
 
-/// All bytes of a file. Throws InputError if it cannot be read.
+/// All bytes of a file, without a mark of byte order (UTF-8) at its beginning. Throws InputError if
+/// it cannot be read.
 std::string read_whole_file(const std::string& path);
 
 }  // namespace prospect

@@ -4,23 +4,15 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
-#include <fstream>
 #include <limits>
+#include <sstream>
 
 #include "adapters/formats/datasets/elements.h"
+#include "adapters/formats/datasets/numbered_files.h"
 #include "adapters/formats/files/input_error.h"
 
 namespace prospect {
 namespace {
-
-std::ifstream open(const std::string& path) {
-  std::ifstream file(path);
-  if (!file || std::filesystem::is_directory(path)) {
-    throw InputError(path + ": cannot be read; expected a trajectory file");
-  }
-  return file;
-}
 
 std::string at(const std::string& path, int line) { return path + ":" + std::to_string(line); }
 
@@ -96,7 +88,7 @@ bool parse_numbers(const std::string& line, std::vector<double>& numbers) {
 }
 
 Trajectory read_tum_trajectory(const std::string& path, std::vector<std::string>& notes) {
-  std::ifstream file = open(path);
+  std::istringstream file(read_whole_file(path));
   Trajectory trajectory;
   Elements poses("poses of " + path);
   bool w_first = false;
@@ -127,7 +119,7 @@ Trajectory read_tum_trajectory(const std::string& path, std::vector<std::string>
 
 std::vector<Eigen::Isometry3d> read_kitti_poses(const std::string& path,
                                                 std::vector<std::string>& notes) {
-  std::ifstream file = open(path);
+  std::istringstream file(read_whole_file(path));
   std::vector<Eigen::Isometry3d> out;
   Elements poses("poses of " + path);
   std::string line;

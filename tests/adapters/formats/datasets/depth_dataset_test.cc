@@ -107,6 +107,20 @@ TEST_F(DepthDatasetTest, TumLayout) {
   expect_good(dataset, recording_, 0.0002);
 }
 
+TEST_F(DepthDatasetTest, TextAsEditorsOfWindowsLeaveIt) {
+  recording_.write_tum(folder_);
+  for (const char* name : {"depth.txt", "groundtruth.txt", "camera-intrinsics.txt"}) {
+    std::ifstream in(folder_ + "/" + name);
+    std::string text = "\xef\xbb\xbf";
+    for (std::string line; std::getline(in, line);) {
+      if (line.empty() || line[0] != '#') text += line + "\r\n";
+    }
+    in.close();
+    write(name, text);
+  }
+  expect_good(DepthDataset::open(folder_), recording_, 0.0002);
+}
+
 // The rate says which unit stamps are in: ten images a second.
 TEST_F(DepthDatasetTest, TumStampsInAnotherUnit) {
   recording_.frames = 3;

@@ -301,6 +301,26 @@ TEST_F(Recording, Kitti360) {
   StereoDatasetOptions options;
   options.calibration = root + "/calibration/perspective.txt";
   follow(options);
+  // Poses of camera 0, which not each image has.
+  std::string poses;
+  for (const int k : {0, 2, 3, 9}) {
+    poses += std::to_string(k);
+    for (int n = 0; n < 16; ++n) poses += " " + std::to_string(pose(k).matrix()(n / 4, n % 4));
+    poses += "\n";
+  }
+  folder_ = root;
+  write("data_poses/2013_05_28_drive_0000_sync/cam0_to_world.txt", poses);
+  folder_ = root + "/" + drive;
+  const StereoDataset posed = StereoDataset::open(folder_);
+  ASSERT_EQ(posed.ground_truth().size(), 3u);
+  EXPECT_EQ(posed.ground_truth()[1].stamp, posed.stamp(2));
+  EXPECT_TRUE(posed.ground_truth()[1].T.isApprox(pose(2), 1e-5));
+  EXPECT_THAT(posed.notes(), Contains(HasSubstr("ground truth from ")));
+  folder_ = root;
+  write("data_poses/2013_05_28_drive_0000_sync/cam0_to_world.txt", "0 1 0 0 0 0 1 0 0 0 0 1 0\n");
+  folder_ = root + "/" + drive;
+  EXPECT_THAT(refusal(), HasSubstr("cam0_to_world.txt:1: not a pose; expected the number of an"));
+  fs::remove_all(root + "/data_poses");
   fs::remove_all(folder_ + "/image_00");
   EXPECT_THAT(refusal(), HasSubstr("the fisheye cameras of KITTI-360"));
   options.calibration = root + "/image_02.yaml";
