@@ -11,7 +11,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string path = fuzz::folder().write(kNames[data[0] % 4], bytes.substr(1));
   fuzz::read_or_refuse([&] { read_stereo_calibration(path); });
   fuzz::read_or_refuse([&] { read_stereo_calibration(path + "," + path, true); });
-  fuzz::read_or_refuse([&] { read_camera_info_pinhole(path); });
+  std::vector<std::string> notes;
+  fuzz::read_or_refuse([&] { read_camera_info_pinhole(path, notes); });
   fuzz::read_or_refuse([&] { read_kitti_calibration(path, 2); });
   return 0;
 }

@@ -1,4 +1,5 @@
 // Messages of ROS 2, of the type that the first byte says.
+#include "adapters/formats/datasets/elements.h"
 #include "adapters/formats/datasets/ros_messages.h"
 #include "tests/fuzz/fuzz_target.h"
 
@@ -9,7 +10,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (size == 0) return 0;
   const std::string_view message = bytes.substr(1);
   fuzz::read_or_refuse([&] {
-    switch (data[0] % 6) {
+    Elements transforms("transforms");
+    switch (data[0] % 7) {
       case 0:
         return static_cast<void>(read_ros_image(message, false, "message"));
       case 1:
@@ -17,9 +19,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       case 2:
         return static_cast<void>(read_ros_camera_info(message, "message"));
       case 3:
-        return static_cast<void>(read_ros_transforms(message, "message"));
+        return static_cast<void>(read_ros_transforms(message, "message", transforms));
       case 4:
         return static_cast<void>(read_ros_pose(message, "nav_msgs/msg/Odometry", "message"));
+      case 5:
+        return static_cast<void>(read_ros_motion(message, "nav_msgs/msg/Odometry", "message"));
       default:
         return static_cast<void>(read_ros_header(message, "message"));
     }

@@ -1,5 +1,7 @@
 #include "adapters/formats/datasets/bag_poses.h"
 
+#include <map>
+#include <set>
 #include <utility>
 
 #include "adapters/formats/datasets/elements.h"
@@ -10,6 +12,7 @@ namespace prospect {
 namespace {
 
 constexpr double kLongestGap = 0.25;  // between poses of a topic [s]
+constexpr double kSamePlace = 1e-4;   // of transforms that are told twice
 
 }  // namespace
 
@@ -17,21 +20,36 @@ std::shared_ptr<const TransformTree> read_transforms(const BagFile& bag,
                                                      std::vector<std::string>& notes) {
   auto tree = std::make_shared<TransformTree>();
   std::map<std::string, std::string> contradicted;
+  std::set<std::string> told_otherwise;
+  std::size_t unset = 0;
   Elements transforms("transforms of TF");
   for (const BagTopic& topic : bag.topics()) {
     if (!is_of_type(topic, "tf2_msgs/msg/TFMessage")) continue;
     const bool fixed = topic.name.ends_with("static");
     for (std::size_t i = 0; i < topic.messages.size(); ++i) {
+      const double recorded = static_cast<double>(topic.messages[i].time) * 1e-9;
       for (const RosTransform& t :
            read_ros_transforms(read_message(bag, topic, i), message_name(topic, i), transforms)) {
         if (fixed && !is_known(t.T)) continue;
+        const bool stamped = fixed || t.stamp > 0.0;
+        unset += !stamped;
+        const auto before = fixed ? tree->find(t.parent, t.child, 0.0) : std::nullopt;
+        if (before && !before->isApprox(t.T, kSamePlace)) told_otherwise.insert(t.child);
         const bool added = fixed ? tree->add_static(t.parent, t.child, t.T)
-                                 : tree->add(t.parent, t.child, t.stamp, t.T);
+                                 : tree->add(t.parent, t.child, stamped ? t.stamp : recorded, t.T);
         if (!added) contradicted[t.child] = t.parent;
       }
     }
   }
   transforms.finish(notes);
+  if (unset > 0) {
+    notes.push_back("TF: " + std::to_string(unset) +
+                    " transforms without a stamp: the time of recording stands for it");
+  }
+  for (const std::string& child : told_otherwise) {
+    notes.push_back("TF: " + child + " in " + tree->parent(child) +
+                    " is told to be fixed at two places; the newest counts");
+  }
   for (const auto& [child, parent] : contradicted) {
     notes.push_back("TF: " + child + " in " + parent + " contradicts the tree, where it is in " +
                     tree->parent(child) + "; left out");
@@ -57,28 +75,29 @@ BagPoses BagPoses::of_topic(const BagFile& bag, const BagTopic& topic,
   poses.sensor_ = sensor;
   poses.from_ = topic.name;
   Elements elements("poses of " + topic.name);
-  bool named = false;
-  for (std::size_t i = 0; i < topic.messages.size(); ++i) {
+  std::optional<RosTransform> first;
+  for (const auto& [stamp, i] : stamped_messages(bag, topic, "poses", notes)) {
     RosTransform pose;
-    const bool good = elements.read([&] {
-      const std::string bytes = read_message(bag, topic, i);
-      pose.stamp = read_ros_header(bytes, message_name(topic, i)).stamp;
-      pose = read_ros_pose(bytes, topic.type, message_name(topic, i));
+    const bool good = elements.read([&, i = i] {
+      const std::string name = message_name(topic, i);
+      pose = read_ros_pose(read_message(bag, topic, i), topic.type, name);
+      if (!first) first = pose;
+      if (without_slash(pose.child) == without_slash(first->child)) return;
+      throw InputError(name + ": a pose of '" + pose.child + "', before of '" + first->child +
+                       "'; expected those of one frame");
     });
-    if (good && !named) poses.body_ = pose.child;
-    named = named || good;
-    if (!poses.poses_.empty() && !(pose.stamp > poses.poses_.back().stamp)) continue;
     // Where it says that it is not known, nothing is interpolated either.
-    poses.poses_.push_back({pose.stamp, good ? pose.T : unknown_pose()});
+    poses.poses_.push_back({stamp, good ? pose.T : unknown_pose()});
   }
   elements.finish(notes);
+  if (first) poses.body_ = without_slash(first->child);
   if (poses.body_.empty()) {
     notes.push_back(topic.name + ": poses of no named frame, taken as those of the sensor");
   } else if (!poses.tree_->connected(poses.body_, sensor)) {
     throw InputError(topic.name + ": poses of " + poses.body_ + ", but no transform leads to " +
                      (sensor.empty() ? "the sensor, whose frame is not named" : sensor) +
                      "; expected /tf_static or /tf to connect them");
-  } else if (poses.body_ != sensor) {
+  } else if (poses.body_ != without_slash(sensor)) {
     notes.push_back(topic.name + ": poses of " + poses.body_ + ", moved to " + sensor + " by TF");
   }
   return poses;
@@ -132,7 +151,12 @@ std::optional<BagPoses> find_bag_poses(const BagFile& bag, const std::string& pa
     }
   }
   if (topic != nullptr) {
-    notes.push_back("topic pose=" + topic->name + ", by its type");
+    std::string others;
+    for (const BagTopic& one : bag.topics()) {
+      if (&one == topic || !is_pose_topic(one) || one.messages.empty()) continue;
+      others += (others.empty() ? "; not used: " : ", ") + one.name;
+    }
+    notes.push_back("topic pose=" + topic->name + ", by its type" + others);
     return BagPoses::of_topic(bag, *topic, tree, sensor, notes);
   }
   for (const std::string& frame : {std::string("odom"), std::string("world"), tree->root(sensor)}) {

@@ -1,10 +1,13 @@
 #include "adapters/formats/datasets/bag_topics.h"
 
 #include <algorithm>
+#include <optional>
 
 #include "adapters/formats/bags/decompression.h"
 #include "adapters/formats/datasets/elements.h"
 #include "adapters/formats/datasets/ros_messages.h"
+#include "adapters/formats/datasets/stereo_calibration.h"
+#include "adapters/formats/datasets/transform_tree.h"
 #include "adapters/formats/files/input_error.h"
 #include "adapters/formats/ros/sensor_msgs.h"
 
@@ -13,6 +16,10 @@ namespace {
 
 bool holds(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
+}
+
+void add_other(const std::string& name, std::string& others) {
+  others += (others.empty() ? "; not used: " : ", ") + name;
 }
 
 bool is_cdr(const BagTopic& topic) { return topic.encoding == "cdr"; }
@@ -87,30 +94,34 @@ const BagTopic* info_of(const BagFile& bag, const BagTopic& image) {
   return info != nullptr && is_of_type(*info, ros::CameraInfo::kType) ? info : nullptr;
 }
 
-const BagTopic* find_depth_topic(const BagFile& bag) {
-  const BagTopic* best = nullptr;
+FoundTopic find_depth_topic(const BagFile& bag) {
+  FoundTopic best;
   int best_rank = -1;
+  std::vector<const BagTopic*> all;
   for (const BagTopic& topic : bag.topics()) {
-    if (!is_image_topic(topic) || topic.messages.empty() ||
-        topic.name.find("depth") == std::string::npos)
-      continue;
+    if (!is_image_topic(topic) || topic.messages.empty() || !holds(topic.name, "depth")) continue;
+    all.push_back(&topic);
     const int rank = 2 * (info_of(bag, topic) != nullptr) + !is_compressed(topic);
     if (rank > best_rank) {
       best_rank = rank;
-      best = &topic;
+      best.topic = &topic;
     }
+  }
+  for (const BagTopic* topic : all) {
+    if (topic != best.topic) add_other(topic->name, best.others);
   }
   return best;
 }
 
-std::pair<const BagTopic*, const BagTopic*> find_stereo_topics(const BagFile& bag) {
+StereoTopics find_stereo_topics(const BagFile& bag) {
   static const std::pair<const char*, const char*> kSides[] = {{"left", "right"},
                                                                {"infra1", "infra2"},
                                                                {"cam0", "cam1"},
                                                                {"camera0", "camera1"},
                                                                {"image_0", "image_1"}};
-  std::pair<const BagTopic*, const BagTopic*> best{nullptr, nullptr};
+  StereoTopics best;
   int best_rank = -1;
+  std::vector<std::pair<const BagTopic*, const BagTopic*>> all;
   for (const BagTopic& topic : bag.topics()) {
     if (!is_image_topic(topic) || topic.messages.empty() || holds(topic.name, "depth")) continue;
     for (const auto& [left, right] : kSides) {
@@ -122,13 +133,19 @@ std::pair<const BagTopic*, const BagTopic*> find_stereo_topics(const BagFile& ba
       }
       const BagTopic* other = bag.find(name);
       if (other == nullptr || !is_image_topic(*other) || other->messages.empty()) continue;
-      const int rank =
-          4 * holds(name, "rect") + 2 * (info_of(bag, topic) != nullptr) + !is_compressed(topic);
+      all.emplace_back(&topic, other);
+      const int rank = 4 * is_named_rectified(name) + 2 * (info_of(bag, topic) != nullptr) +
+                       !is_compressed(topic);
       if (rank > best_rank) {
         best_rank = rank;
-        best = {&topic, other};
+        best.left = &topic;
+        best.right = other;
       }
     }
+  }
+  for (const auto& [left, right] : all) {
+    if (left == best.left) continue;
+    add_other(left->name + " and " + right->name, best.others);
   }
   return best;
 }
@@ -168,10 +185,18 @@ std::vector<std::pair<double, std::size_t>> stamped_messages(const BagFile& bag,
   std::vector<std::pair<double, std::size_t>> stamped;
   std::size_t unset = 0;
   Elements headers(what + " of " + topic.name);
+  std::optional<std::string> frame;
   for (std::size_t i = 0; i < topic.messages.size(); ++i) {
     double stamp = 0.0;
     if (!headers.read([&] {
-          stamp = read_ros_header(read_message(bag, topic, i), message_name(topic, i)).stamp;
+          const RosHeader header =
+              read_ros_header(read_message(bag, topic, i), message_name(topic, i));
+          if (!frame) frame = header.frame;
+          if (without_slash(header.frame) != without_slash(*frame)) {
+            throw InputError(message_name(topic, i) + ": is of frame '" + header.frame +
+                             "', before of '" + *frame + "'; expected those of one frame");
+          }
+          stamp = header.stamp;
         })) {
       continue;
     }

@@ -41,12 +41,23 @@ bool is_scan_topic(const BagTopic& topic);   ///< of LaserScan or PointCloud2
 
 /// "/stereo/left/image_rect/compressed" to "/stereo/left/camera_info"; null if it is not there.
 const BagTopic* info_of(const BagFile& bag, const BagTopic& image);
+/// A topic that was found by its name or type.
+struct FoundTopic {
+  const BagTopic* topic = nullptr;
+  std::string others;  ///< that could have been meant, too, for messages: "; not used: /b, /c"
+};
 /// The topic of images with depth in its name, with a camera_info and not compressed before others;
 /// null: none has images.
-const BagTopic* find_depth_topic(const BagFile& bag);
+FoundTopic find_depth_topic(const BagFile& bag);
+/// The topics of a stereo pair.
+struct StereoTopics {
+  const BagTopic* left = nullptr;
+  const BagTopic* right = nullptr;
+  std::string others;  ///< pairs that could have been meant, too, as FoundTopic
+};
 /// Image topics whose names differ by left and right, or the like, alone: rectified ones, those
 /// with a camera_info and not compressed before others; null: none has images.
-std::pair<const BagTopic*, const BagTopic*> find_stereo_topics(const BagFile& bag);
+StereoTopics find_stereo_topics(const BagFile& bag);
 
 /// A message, for messages to people.
 std::string message_name(const BagTopic& topic, std::size_t i);
@@ -59,8 +70,9 @@ std::string read_message(const BagFile& bag, const BagTopic& topic, std::size_t 
 std::string frame_of(const BagFile& bag, const BagTopic& topic);
 
 /// The stamps [s] of the headers, increasing, each with its message; where one is not set, the time
-/// of recording. `notes` say how many of `what`, "images", had none, and how many are left out for
-/// the stamp of another.
+/// of recording. Those of another frame than the first one's are left out and counted (elements.h).
+/// `notes` say how many of `what`, "images", had no stamp, and how many are left out for the stamp
+/// of another.
 std::vector<std::pair<double, std::size_t>> stamped_messages(const BagFile& bag,
                                                              const BagTopic& topic,
                                                              const std::string& what,

@@ -25,7 +25,7 @@ void find_intrinsics(const std::string& path, const DepthDatasetOptions& options
   const std::string beside = path + "/camera-intrinsics.txt";
   if (!options.calibration.empty()) {
     source.camera_from = options.calibration;
-    source.camera = read_camera_info_pinhole(options.calibration);
+    source.camera = read_camera_info_pinhole(options.calibration, source.notes);
   } else if (fs::exists(beside)) {
     if (options.camera) {
       throw InputError(beside + ": states the intrinsics; expected no others beside it");
@@ -38,7 +38,7 @@ void find_intrinsics(const std::string& path, const DepthDatasetOptions& options
     source.camera_from = path;
   } else if (fs::exists(path + "/camera_info.yaml")) {
     source.camera_from = path + "/camera_info.yaml";
-    source.camera = read_camera_info_pinhole(source.camera_from);
+    source.camera = read_camera_info_pinhole(source.camera_from, source.notes);
   } else if (!source.camera) {
     throw InputError(path +
                      ": no file states the camera's intrinsics; expected camera-intrinsics.txt "

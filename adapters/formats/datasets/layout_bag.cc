@@ -3,7 +3,6 @@
 #include <cmath>
 #include <map>
 #include <optional>
-#include <tuple>
 #include <utility>
 
 #include "adapters/formats/bags/bag_file.h"
@@ -82,7 +81,9 @@ StereoSource open_stereo_bag(const std::string& path, const StereoDatasetOptions
       if (left != nullptr || right != nullptr) {
         throw InputError("--topics names one of left and right; expected both");
       }
-      std::tie(left, right) = find_stereo_topics(bag);
+      const StereoTopics found = find_stereo_topics(bag);
+      left = found.left;
+      right = found.right;
       if (left == nullptr) {
         throw InputError(path +
                          ": no two image topics are named left and right or the like; expected "
@@ -90,12 +91,13 @@ StereoSource open_stereo_bag(const std::string& path, const StereoDatasetOptions
                          topic_list(bag));
       }
       source.notes.push_back("topics left=" + left->name + ",right=" + right->name +
-                             ", by their names");
+                             ", by their names" + found.others);
     }
     source.left = image_stream(bag, *left, source.notes);
     source.right = image_stream(bag, *right, source.notes);
   });
   if (!read) return source;
+  Eigen::Isometry3d T_rectified = Eigen::Isometry3d::Identity();
   source.attempt([&] {
     if (!options.calibration.empty()) {
       source.calibration = read_stereo_calibration(options.calibration, options.rectified);
@@ -111,10 +113,11 @@ StereoSource open_stereo_bag(const std::string& path, const StereoDatasetOptions
                        "; expected --topics left_info=TOPIC,right_info=TOPIC, or --calibration "
                        "FILE");
     }
-    const bool rectified = options.rectified || left->name.find("rect") != std::string::npos;
+    const bool rectified = options.rectified || is_named_rectified(left->name);
     const CameraInfo first = only_info(bag, *infos[0], source.notes);
     const CameraInfo second = only_info(bag, *infos[1], source.notes);
     source.calibration = calibration_of(first, second, infos[0]->name, infos[1]->name, rectified);
+    if (rectified) T_rectified = rectified_axes(first);
     source.notes.push_back(std::string("images taken as ") +
                            (rectified ? "rectified, by P of " : "raw, by K, D, R and P of ") +
                            infos[0]->name + " and " + infos[1]->name);
@@ -128,7 +131,7 @@ StereoSource open_stereo_bag(const std::string& path, const StereoDatasetOptions
       if (!poses) return;
       for (const double stamp : source.left.stamps) {
         const auto T = poses->at(stamp);
-        if (T) source.truth.push_back({stamp, *T});
+        if (T) source.truth.push_back({stamp, *T * T_rectified});
       }
       return;
     }
@@ -136,7 +139,7 @@ StereoSource open_stereo_bag(const std::string& path, const StereoDatasetOptions
                                               frame_of(bag, *left), source.notes);
     for (const double stamp : poses.stamps()) {
       const auto T = poses.at(stamp);
-      if (T) source.truth.push_back({stamp, *T});
+      if (T) source.truth.push_back({stamp, *T * T_rectified});
     }
   });
   return source;
@@ -151,26 +154,26 @@ DepthSource open_depth_bag(const std::string& path, const DepthDatasetOptions& o
     check_encodings(bag, path);
     const BagTopic* depth = given_topic(bag, path, options.topics, "depth", is_image_topic);
     if (depth == nullptr) {
-      depth = find_depth_topic(bag);
+      const FoundTopic found = find_depth_topic(bag);
+      depth = found.topic;
       if (depth == nullptr) {
         throw InputError(path +
                          ": no image topic has depth in its name; expected --topics "
                          "depth=TOPIC of: " +
                          topic_list(bag));
       }
-      source.notes.push_back("topic depth=" + depth->name + ", by its name");
+      source.notes.push_back("topic depth=" + depth->name + ", by its name" + found.others);
     }
     ImageStream images = image_stream(bag, *depth, source.notes);
     const BagTopic* info = given_topic(bag, path, options.topics, "depth_info", is_info);
     if (info == nullptr) info = info_of(bag, *depth);
-    if (info != nullptr) {
+    Eigen::Isometry3d T_rectified = Eigen::Isometry3d::Identity();
+    if (info != nullptr && !options.camera && options.calibration.empty()) {
       const CameraInfo calibration = only_info(bag, *info, source.notes);
-      const auto& K = calibration.K;
-      if (!(K[0] > 0.0 && K[4] > 0.0)) {
-        throw InputError(info->name + ": K is not that of a camera; expected intrinsics");
-      }
-      source.camera = PinholeCamera{K[0], K[4], K[2], K[5], calibration.width, calibration.height};
+      const bool rectified = is_named_rectified(depth->name);
+      source.camera = depth_camera_of(calibration, rectified, info->name, source.notes);
       source.camera_from = info->name;
+      if (rectified) T_rectified = rectified_axes(calibration);
     }
     const std::optional<BagPoses> poses = find_bag_poses(
         bag, path, {options.topics, options.fixed_frame}, frame_of(bag, *depth), source.notes);
@@ -181,7 +184,7 @@ DepthSource open_depth_bag(const std::string& path, const DepthDatasetOptions& o
     PosedStamps posed =
         stamps_with_poses(*poses, images.stamps, "image", depth->name, path, source.notes);
     source.without_pose = posed.without;
-    source.poses.assign(posed.poses.begin(), posed.poses.end());
+    for (const Eigen::Isometry3d& T : posed.poses) source.poses.push_back(T * T_rectified);
     ImageStream kept;
     kept.name = images.name;
     for (const std::size_t i : posed.order) {

@@ -37,7 +37,7 @@ const BagTopic* find_scan_topic(const BagFile& bag, std::vector<std::string>& no
 /// How the lidar moved while it took the scan; the identity where that is not known.
 Eigen::Isometry3d motion_during(const RosLaserScan& scan, double stamp, const BagPoses& poses) {
   const double last = static_cast<double>(scan.ranges.size()) - 1.0;
-  if (!(scan.time_increment > 0.0) || last < 1.0) return Eigen::Isometry3d::Identity();
+  if (scan.time_increment == 0.0 || last < 1.0) return Eigen::Isometry3d::Identity();
   const auto T_begin = poses.at(stamp), T_end = poses.at(stamp + last * scan.time_increment);
   if (!T_begin || !T_end) return Eigen::Isometry3d::Identity();
   return T_begin->inverse() * *T_end;

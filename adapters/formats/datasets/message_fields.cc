@@ -2,14 +2,18 @@
 
 #include <string_view>
 
+#include "adapters/formats/ros/geometry_msgs.h"
+#include "adapters/formats/ros/nav_msgs.h"
 #include "adapters/formats/ros/sensor_msgs.h"
+#include "adapters/formats/ros/std_msgs.h"
+#include "adapters/formats/ros/tf2_msgs.h"
 
 namespace prospect {
 namespace {
 
 using enum FieldUse;
 
-constexpr MessageField kCameraInfo[] = {
+constexpr FieldRule kCameraInfo[] = {
     {"header.stamp.sec", kNotNeeded,
      "a calibration holds for all images; one that changes is told"},
     {"header.stamp.nanosec", kNotNeeded, "as its seconds"},
@@ -30,7 +34,7 @@ constexpr MessageField kCameraInfo[] = {
     {"roi.do_rectify", kNotNeeded, "K and P of the window are the same either way"},
 };
 
-constexpr MessageField kImage[] = {
+constexpr FieldRule kImage[] = {
     {"header.stamp.sec", kUsed},
     {"header.stamp.nanosec", kUsed},
     {"header.frame_id", kUsed},
@@ -42,22 +46,16 @@ constexpr MessageField kImage[] = {
     {"data", kUsed},
 };
 
-constexpr MessageField kLaserScan[] = {
-    {"header.stamp.sec", kUsed},
-    {"header.stamp.nanosec", kUsed},
-    {"header.frame_id", kUsed},
-    {"angle_min", kUsed},
-    {"angle_max", kNotNeeded, "follows from angle_min, angle_increment and the number of ranges"},
-    {"angle_increment", kUsed},
-    {"time_increment", kUsed},
-    {"scan_time", kNotNeeded, "the stamps say when scans are"},
-    {"range_min", kUsed},
-    {"range_max", kUsed},
-    {"ranges", kUsed},
-    {"intensities", kNotNeeded, "a range is a range, however bright"},
+constexpr FieldRule kLaserScan[] = {
+    {"header.stamp.sec", kUsed}, {"header.stamp.nanosec", kUsed},
+    {"header.frame_id", kUsed},  {"angle_min", kUsed},
+    {"angle_max", kChecked},     {"angle_increment", kUsed},
+    {"time_increment", kUsed},   {"scan_time", kChecked},
+    {"range_min", kUsed},        {"range_max", kUsed},
+    {"ranges", kUsed},           {"intensities", kNotNeeded, "a range is a range, however bright"},
 };
 
-constexpr MessageField kPointCloud2[] = {
+constexpr FieldRule kPointCloud2[] = {
     {"header.stamp.sec", kUsed},
     {"header.stamp.nanosec", kUsed},
     {"header.frame_id", kUsed},
@@ -74,14 +72,87 @@ constexpr MessageField kPointCloud2[] = {
     {"is_dense", kNotNeeded, "points that are not finite are left out either way"},
 };
 
+constexpr FieldRule kCompressedImage[] = {
+    {"header.stamp.sec", kUsed},
+    {"header.stamp.nanosec", kUsed},
+    {"header.frame_id", kUsed},
+    {"format", kChecked},
+    {"data", kUsed},
+};
+
+constexpr FieldRule kTransformStamped[] = {
+    {"header.stamp.sec", kUsed},        {"header.stamp.nanosec", kUsed},
+    {"header.frame_id", kUsed},         {"child_frame_id", kUsed},
+    {"transform.translation.x", kUsed}, {"transform.translation.y", kUsed},
+    {"transform.translation.z", kUsed}, {"transform.rotation.x", kUsed},
+    {"transform.rotation.y", kUsed},    {"transform.rotation.z", kUsed},
+    {"transform.rotation.w", kUsed},
+};
+
+constexpr FieldRule kTransforms[] = {
+    {"transforms.header.stamp.sec", kUsed},        {"transforms.header.stamp.nanosec", kUsed},
+    {"transforms.header.frame_id", kUsed},         {"transforms.child_frame_id", kUsed},
+    {"transforms.transform.translation.x", kUsed}, {"transforms.transform.translation.y", kUsed},
+    {"transforms.transform.translation.z", kUsed}, {"transforms.transform.rotation.x", kUsed},
+    {"transforms.transform.rotation.y", kUsed},    {"transforms.transform.rotation.z", kUsed},
+    {"transforms.transform.rotation.w", kUsed},
+};
+
+constexpr FieldRule kPoseStamped[] = {
+    {"header.stamp.sec", kUsed},   {"header.stamp.nanosec", kUsed}, {"header.frame_id", kUsed},
+    {"pose.position.x", kUsed},    {"pose.position.y", kUsed},      {"pose.position.z", kUsed},
+    {"pose.orientation.x", kUsed}, {"pose.orientation.y", kUsed},   {"pose.orientation.z", kUsed},
+    {"pose.orientation.w", kUsed},
+};
+
+constexpr FieldRule kPoseWithCovarianceStamped[] = {
+    {"header.stamp.sec", kUsed},        {"header.stamp.nanosec", kUsed},
+    {"header.frame_id", kUsed},         {"pose.pose.position.x", kUsed},
+    {"pose.pose.position.y", kUsed},    {"pose.pose.position.z", kUsed},
+    {"pose.pose.orientation.x", kUsed}, {"pose.pose.orientation.y", kUsed},
+    {"pose.pose.orientation.z", kUsed}, {"pose.pose.orientation.w", kUsed},
+    {"pose.covariance", kUsed},
+};
+
+constexpr FieldRule kOdometry[] = {
+    {"header.stamp.sec", kUsed},        {"header.stamp.nanosec", kUsed},
+    {"header.frame_id", kUsed},         {"child_frame_id", kUsed},
+    {"pose.pose.position.x", kUsed},    {"pose.pose.position.y", kUsed},
+    {"pose.pose.position.z", kUsed},    {"pose.pose.orientation.x", kUsed},
+    {"pose.pose.orientation.y", kUsed}, {"pose.pose.orientation.z", kUsed},
+    {"pose.pose.orientation.w", kUsed}, {"pose.covariance", kUsed},
+    {"twist.twist.linear.x", kUsed},    {"twist.twist.linear.y", kUsed},
+    {"twist.twist.linear.z", kUsed},    {"twist.twist.angular.x", kUsed},
+    {"twist.twist.angular.y", kUsed},   {"twist.twist.angular.z", kUsed},
+    {"twist.covariance", kChecked},
+};
+
+constexpr FieldRule kTwistStamped[] = {
+    {"header.stamp.sec", kUsed}, {"header.stamp.nanosec", kUsed}, {"header.frame_id", kUsed},
+    {"twist.linear.x", kUsed},   {"twist.linear.y", kUsed},       {"twist.linear.z", kUsed},
+    {"twist.angular.x", kUsed},  {"twist.angular.y", kUsed},      {"twist.angular.z", kUsed},
+};
+
+constexpr FieldRule kBool[] = {
+    {"data", kUsed},
+};
+
 }  // namespace
 
-std::span<const MessageField> fields_of(const char* type) {
+std::span<const FieldRule> fields_of(const char* type) {
   const std::string_view name = type;
   if (name == ros::CameraInfo::kType) return kCameraInfo;
   if (name == ros::Image::kType) return kImage;
+  if (name == ros::CompressedImage::kType) return kCompressedImage;
   if (name == ros::LaserScan::kType) return kLaserScan;
   if (name == ros::PointCloud2::kType) return kPointCloud2;
+  if (name == ros::TransformStamped::kType) return kTransformStamped;
+  if (name == ros::TFMessage::kType) return kTransforms;
+  if (name == ros::PoseStamped::kType) return kPoseStamped;
+  if (name == ros::PoseWithCovarianceStamped::kType) return kPoseWithCovarianceStamped;
+  if (name == ros::Odometry::kType) return kOdometry;
+  if (name == ros::TwistStamped::kType) return kTwistStamped;
+  if (name == ros::Bool::kType) return kBool;
   return {};
 }
 

@@ -10,7 +10,9 @@
 
 #include "adapters/formats/datasets/camera_window.h"
 #include "adapters/formats/datasets/elements.h"
+#include "adapters/formats/datasets/number_text.h"
 #include "adapters/formats/datasets/trajectory.h"
+#include "adapters/formats/datasets/transform_tree.h"
 #include "adapters/formats/files/input_error.h"
 #include "adapters/formats/ros/cdr.h"
 #include "adapters/formats/ros/geometry_msgs.h"
@@ -55,7 +57,32 @@ Eigen::Isometry3d isometry_of(const ros::Pose& pose, const std::string& name) {
   return checked_pose({pose.position.x, pose.position.y, pose.position.z},
                       quaternion_of(pose.orientation), name);
 }
+
+/// By -1 in front filters and trackers say that they know nothing; NaN says no more.
+void check_variances(const std::array<double, 36>& covariance, const char* what,
+                     const std::string& name) {
+  for (const std::size_t n : {0, 7, 35}) {  // of x, y and yaw
+    if (covariance[n] >= 0.0) continue;
+    throw InputError(name + ": a variance of " + number_text(covariance[n]) + " says that " + what +
+                     " is not known; expected none below 0");
+  }
+}
+
+RosTransform with_covariance(const ros::Header& header, const std::string& child,
+                             const ros::PoseWithCovariance& pose, const std::string& name) {
+  check_variances(pose.covariance, "the pose", name);
+  RosTransform out{ros::seconds(header.stamp), header.frame_id, child,
+                   isometry_of(pose.pose, name)};
+  out.covariance =
+      Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(pose.covariance.data());
+  return out;
+}
+
 RosTransform transform_of(const ros::TransformStamped& m, const std::string& name) {
+  if (without_slash(m.header.frame_id).empty() || without_slash(m.child_frame_id).empty()) {
+    throw InputError(name + ": a transform from '" + m.child_frame_id + "' to '" +
+                     m.header.frame_id + "'; expected names of frames");
+  }
   const ros::Vector3& at = m.transform.translation;
   return {ros::seconds(m.header.stamp), m.header.frame_id, m.child_frame_id,
           checked_pose({at.x, at.y, at.z}, quaternion_of(m.transform.rotation), name)};
@@ -77,7 +104,6 @@ RawImage read_ros_image(std::string_view cdr, bool compressed, const std::string
     const auto message = ros::from_cdr<ros::CompressedImage>(cdr, name);
     const std::string& format = message.format;
     std::string_view data = view_of(message.data);
-    // compressed_depth_image_transport puts a head of twelve bytes before the PNG.
     if (format.find("compressedDepth") != std::string::npos) {
       if (format.find("rvl") != std::string::npos) {
         throw InputError(name + ": depth compressed by RVL; expected PNG");
@@ -85,8 +111,12 @@ RawImage read_ros_image(std::string_view cdr, bool compressed, const std::string
       if (format.find("32FC1") != std::string::npos) {
         throw InputError(name + ": compressed depth of floats; expected 16UC1");
       }
-      data = data.substr(std::min<std::size_t>(12, data.size()));
     }
+    // compressed_depth_image_transport puts a head of twelve bytes before the PNG, and not all that
+    // write it say so in `format`.
+    constexpr std::string_view kPng = "\x89PNG";
+    constexpr std::size_t kHead = 12;
+    if (data.size() > kHead && data.substr(kHead).starts_with(kPng)) data.remove_prefix(kHead);
     return decode_image(data, name);
   }
   const auto message = ros::from_cdr<ros::Image>(cdr, name);
@@ -149,6 +179,11 @@ CameraInfo read_ros_camera_info(std::string_view cdr, const std::string& name) {
   info.K.assign(message.k.begin(), message.k.end());
   info.R.assign(message.r.begin(), message.r.end());
   info.P.assign(message.p.begin(), message.p.end());
+  if (info.K[0] == 0.0 && info.P[0] == 0.0) {
+    throw InputError(name +
+                     ": K and P are 0, by which a camera says that it is not calibrated; expected "
+                     "a calibration");
+  }
   for (const auto* numbers : {&info.D, &info.K, &info.R, &info.P}) {
     for (const double value : *numbers) {
       if (!std::isfinite(value)) {
@@ -162,14 +197,6 @@ CameraInfo read_ros_camera_info(std::string_view cdr, const std::string& name) {
                    {number(message.binning_x), number(message.binning_y), number(roi.x_offset),
                     number(roi.y_offset), number(roi.width), number(roi.height)},
                    name);
-}
-
-std::vector<RosTransform> read_ros_transforms(std::string_view cdr, const std::string& name) {
-  std::vector<RosTransform> out;
-  for (const ros::TransformStamped& one : ros::from_cdr<ros::TFMessage>(cdr, name).transforms) {
-    out.push_back(transform_of(one, name));
-  }
-  return out;
 }
 
 std::vector<RosTransform> read_ros_transforms(std::string_view cdr, const std::string& name,
@@ -191,8 +218,8 @@ std::vector<RosTransform> read_ros_transforms(std::string_view cdr, const std::s
 }
 
 bool is_ros_pose(const std::string& type) {
-  return type == "nav_msgs/msg/Odometry" || type == "geometry_msgs/msg/PoseStamped" ||
-         type == "geometry_msgs/msg/TransformStamped";
+  return type == ros::Odometry::kType || type == ros::PoseStamped::kType ||
+         type == ros::PoseWithCovarianceStamped::kType || type == ros::TransformStamped::kType;
 }
 
 RosTransform read_ros_pose(std::string_view cdr, const std::string& type, const std::string& name) {
@@ -203,9 +230,35 @@ RosTransform read_ros_pose(std::string_view cdr, const std::string& type, const 
     const auto m = ros::from_cdr<ros::PoseStamped>(cdr, name);
     return {ros::seconds(m.header.stamp), m.header.frame_id, "", isometry_of(m.pose, name)};
   }
+  if (type == ros::PoseWithCovarianceStamped::kType) {
+    const auto m = ros::from_cdr<ros::PoseWithCovarianceStamped>(cdr, name);
+    return with_covariance(m.header, "", m.pose, name);
+  }
   const auto m = ros::from_cdr<ros::Odometry>(cdr, name);
-  return {ros::seconds(m.header.stamp), m.header.frame_id, m.child_frame_id,
-          isometry_of(m.pose.pose, name)};
+  return with_covariance(m.header, m.child_frame_id, m.pose, name);
+}
+
+RosMotion read_ros_motion(std::string_view cdr, const std::string& type, const std::string& name) {
+  RosMotion out;
+  const auto take = [&](const ros::Header& header, const std::string& frame,
+                        const ros::Twist& twist) {
+    out = {ros::seconds(header.stamp),
+           frame,
+           {twist.linear.x, twist.linear.y, twist.linear.z},
+           {twist.angular.x, twist.angular.y, twist.angular.z}};
+  };
+  if (type == ros::TwistStamped::kType) {
+    const auto m = ros::from_cdr<ros::TwistStamped>(cdr, name);
+    take(m.header, m.header.frame_id, m.twist);
+  } else {
+    const auto m = ros::from_cdr<ros::Odometry>(cdr, name);
+    check_variances(m.twist.covariance, "the motion", name);
+    take(m.header, m.child_frame_id, m.twist.twist);
+  }
+  if (!out.linear.allFinite() || !out.angular.allFinite()) {
+    throw InputError(name + ": not a motion; expected finite numbers");
+  }
+  return out;
 }
 
 }  // namespace prospect

@@ -35,16 +35,28 @@ struct RosTransform {
   double stamp = 0.0;  ///< [s]
   std::string parent, child;
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();  ///< child to parent
+  /// Of x, y, z and the turns about them, in the parent; zero: it is not told.
+  Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
 };
-/// tf2_msgs/msg/TFMessage.
-std::vector<RosTransform> read_ros_transforms(std::string_view cdr, const std::string& name);
-/// Likewise, but what is no pose has T = unknown_pose() (trajectory.h), and is counted.
+/// tf2_msgs/msg/TFMessage. What is no transform (no pose, a frame without a name) has T =
+/// unknown_pose() (trajectory.h), and is counted.
 std::vector<RosTransform> read_ros_transforms(std::string_view cdr, const std::string& name,
                                               Elements& transforms);
-/// nav_msgs/msg/Odometry, geometry_msgs/msg/PoseStamped (without child) or TransformStamped, by
-/// `type`.
+/// nav_msgs/msg/Odometry, geometry_msgs/msg/PoseStamped or PoseWithCovarianceStamped (both without
+/// child) or TransformStamped, by `type`. Refused as not known: a variance of x, y or yaw that is
+/// negative or no number, by which filters and trackers say so.
 RosTransform read_ros_pose(std::string_view cdr, const std::string& type, const std::string& name);
 /// Whether read_ros_pose() reads this type.
 bool is_ros_pose(const std::string& type);
+
+/// The velocity of a frame, in it.
+struct RosMotion {
+  double stamp = 0.0;  ///< [s]
+  std::string frame;
+  Eigen::Vector3d linear, angular;  ///< [m/s], [rad/s]
+};
+/// nav_msgs/msg/Odometry, of its child frame, or geometry_msgs/msg/TwistStamped, of its header's,
+/// by `type`. Refused: what is not finite, and variances as of a pose.
+RosMotion read_ros_motion(std::string_view cdr, const std::string& type, const std::string& name);
 
 }  // namespace prospect

@@ -1,5 +1,6 @@
 #include "adapters/formats/datasets/ros_scan_messages.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
@@ -16,6 +17,7 @@
 namespace prospect {
 namespace {
 
+constexpr double kLongestScan = 10.0;  // [s]
 constexpr double kAtTheEnd = 1e-3;     // [m]
 constexpr double kAtTheOrigin = 1e-6;  // [m]
 
@@ -25,7 +27,34 @@ struct Field {
   std::uint32_t count = 0;
   bool there = false;
   std::size_t size() const { return type == ros::PointField::kFloat64 ? 8 : 4; }
+  bool overlaps(const Field& other) const {
+    return offset < other.offset + other.size() && other.offset < offset + size();
+  }
 };
+
+/// Where what a scan says of its angles and times cannot be: its other fields say otherwise.
+void check_scan(const ros::LaserScan& m, const std::string& name) {
+  const double steps = std::max<double>(1.0, static_cast<double>(m.ranges.size())) - 1.0;
+  const double increment = m.angle_increment, span = std::abs(increment) * steps;
+  const double last = m.angle_min + increment * steps;
+  // Drivers count a beam more or less, and round; 0 where they say nothing.
+  const double slack = std::fmax(2.0 * std::abs(increment), 0.05 * span) + 1e-3;
+  if (m.angle_max != 0.0F && steps > 0.0 && !(std::abs(m.angle_max - last) <= slack)) {
+    throw InputError(name + ": " + std::to_string(m.ranges.size()) + " beams from " +
+                     number_text(m.angle_min) + " by " + number_text(increment) + " end at " +
+                     number_text(last) + " rad, but angle_max is " + number_text(m.angle_max) +
+                     "; expected the same");
+  }
+  const double during = std::abs(static_cast<double>(m.time_increment)) * steps;
+  const double most = m.scan_time > 0.0F ? 10.0 * m.scan_time : kLongestScan;
+  if (std::isfinite(during) && during > most) {
+    throw InputError(name + ": its beams take " + number_text(during) +
+                     " s by time_increment, but " +
+                     (m.scan_time > 0.0F ? "scan_time is " + number_text(m.scan_time)
+                                         : "a scan takes " + number_text(most)) +
+                     " s at most; expected seconds between two beams");
+  }
+}
 
 double coordinate(const std::uint8_t* at, std::uint8_t type) {
   if (type == ros::PointField::kFloat64) {
@@ -48,8 +77,7 @@ RosLaserScan read_ros_laser_scan(std::string_view cdr, const std::string& name) 
   scan.time_increment = message.time_increment;
   scan.range_min = message.range_min;
   scan.range_max = message.range_max;
-  scan.ranges = std::move(message.ranges);
-  const std::size_t beams = scan.ranges.size();
+  const std::size_t beams = message.ranges.size();
   if (!std::isfinite(scan.angle_min) || !std::isfinite(scan.angle_increment) ||
       (beams > 1 && scan.angle_increment == 0.0) ||
       std::abs(scan.angle_increment) * static_cast<double>(beams) > 4.0 * M_PI) {
@@ -61,6 +89,8 @@ RosLaserScan read_ros_laser_scan(std::string_view cdr, const std::string& name) 
     throw InputError(name + ": range_min " + number_text(scan.range_min) + " and range_max " +
                      number_text(scan.range_max) + " m; expected 0 <= range_min < range_max");
   }
+  check_scan(message, name);
+  scan.ranges = std::move(message.ranges);
   if (!std::isfinite(scan.time_increment)) scan.time_increment = 0.0;
   return scan;
 }
@@ -106,6 +136,11 @@ std::vector<Eigen::Vector3d> read_ros_point_cloud(std::string_view cdr, const st
                        " of a point of " + std::to_string(point_step) +
                        " bytes; expected it inside");
     }
+  }
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Field &one = fields[i], &next = fields[(i + 1) % 3];
+    if (!one.overlaps(next)) continue;
+    throw InputError(name + ": fields x, y and z share bytes; expected one after another");
   }
   if (point_step * width > data.size() || (height > 1 && row_step < point_step * width) ||
       row_step * (height - 1) + point_step * width > data.size()) {

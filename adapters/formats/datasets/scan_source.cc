@@ -26,7 +26,7 @@ bool is_used_for_scans(const std::string& path, const std::map<std::string, std:
   if (!is_bag(path) || topics.contains("scan")) return true;
   if (topics.contains("depth") || topics.contains("left")) return false;
   const BagFile bag = BagFile::open(path);
-  return find_depth_topic(bag) == nullptr &&
+  return find_depth_topic(bag).topic == nullptr &&
          std::any_of(bag.topics().begin(), bag.topics().end(), is_scan_topic);
 }
 

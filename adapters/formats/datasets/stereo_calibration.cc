@@ -310,14 +310,58 @@ StereoCalibration read_kitti_calibration(const std::string& path, int first,
   return out;
 }
 
-PinholeCamera read_camera_info_pinhole(const std::string& path) {
+PinholeCamera read_camera_info_pinhole(const std::string& path, std::vector<std::string>& notes) {
   const CameraInfo info = read_camera_info(LooseYaml::from_text(read_whole_file(path), path), path);
-  if (std::any_of(info.D.begin(), info.D.end(), [](double k) { return k != 0.0; })) {
-    throw InputError(path +
-                     ": states distortion; expected the intrinsics of depth images, which "
-                     "have none");
+  return depth_camera_of(info, false, path, notes);
+}
+
+PinholeCamera depth_camera_of(const CameraInfo& info, bool rectified, const std::string& where,
+                              std::vector<std::string>& notes) {
+  if (rectified && info.P.size() == 12 && info.P[0] > 0.0) {
+    const auto& P = info.P;
+    return pinhole_of(where, {P[0], P[1], P[2], P[4], P[5], P[6], P[8], P[9], P[10]}, info.width,
+                      info.height);
   }
-  return pinhole_of(path, info.K, info.width, info.height);
+  CalibratedCamera camera;
+  camera.pinhole = pinhole_of(where, info.K, info.width, info.height);
+  if (rectified) return camera.pinhole;
+  use_lens(camera, where, info.model, info.D);
+  const double width = info.width > 0.0 ? info.width : 2.0 * camera.pinhole.cx;
+  const double height = info.height > 0.0 ? info.height : 2.0 * camera.pinhole.cy;
+  double moved = 0.0;  // [px]
+  for (int n = 0; n < 25; ++n) {
+    const Eigen::Vector2d p(0.25 * (n % 5) * width, 0.25 * (n / 5) * height);
+    const Eigen::Vector2d ray((p.x() - camera.pinhole.cx) / camera.pinhole.fx,
+                              (p.y() - camera.pinhole.cy) / camera.pinhole.fy);
+    moved = std::fmax(moved, (project_distorted(camera, ray) - p).norm());
+  }
+  constexpr double kSeen = 0.5, kTooMuch = 5.0;  // [px]
+  const std::string states = "states a lens that moves pixels by up to " +
+                             number_text(std::round(10.0 * moved) / 10.0) + " px";
+  if (moved > kTooMuch) {
+    throw InputError(where + ": " + states +
+                     ", and nothing says that its depth images are rectified; expected rectified "
+                     "ones, of a topic with rect in its name");
+  }
+  if (moved > kSeen) notes.push_back(where + ": " + states + ": depths are taken without it");
+  return camera.pinhole;
+}
+
+Eigen::Isometry3d rectified_axes(const CameraInfo& info) {
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  if (info.R.size() != 9) return T;
+  const Eigen::Matrix3d R = by_rows(info.R);
+  if ((R * R.transpose() - Eigen::Matrix3d::Identity()).norm() < 0.01 && R.determinant() > 0.0) {
+    T.linear() = R.transpose();
+  }
+  return T;
+}
+
+bool is_named_rectified(const std::string& topic) {
+  for (std::size_t at = 0; (at = topic.find("rect", at)) != std::string::npos; ++at) {
+    if (at == 0 || topic[at - 1] == '/' || topic[at - 1] == '_') return true;  // not "/direct"
+  }
+  return false;
 }
 
 StereoCalibration calibration_of(const CameraInfo& left, const CameraInfo& right,

@@ -46,8 +46,9 @@ StereoCalibration read_stereo_calibration(const std::string& files, bool rectifi
 StereoCalibration read_kitti_calibration(const std::string& path, int first,
                                          Eigen::Vector3d* left_position = nullptr);
 
-/// One camera of a camera_info file: for depth images. Width and height as stated, or 0.
-PinholeCamera read_camera_info_pinhole(const std::string& path);
+/// One camera of a camera_info file: for depth images (depth_camera_of()). Width and height as
+/// stated, or 0.
+PinholeCamera read_camera_info_pinhole(const std::string& path, std::vector<std::string>& notes);
 
 /// What a ROS camera_info, message or file, says of a camera's images.
 struct CameraInfo {
@@ -57,6 +58,18 @@ struct CameraInfo {
 
   bool operator==(const CameraInfo&) const = default;
 };
+/// The camera of depth images: by P if they are rectified and it is stated, else by K. A lens that
+/// moves pixels of images that are not rectified is told in `notes`; InputError where it moves them
+/// by more than 5 px, or K or P is not that of a camera. `where` stands for the message or file.
+PinholeCamera depth_camera_of(const CameraInfo& info, bool rectified, const std::string& where,
+                              std::vector<std::string>& notes);
+/// The rectified camera in the frame of the camera itself, by R; the identity where that is no
+/// rotation.
+Eigen::Isometry3d rectified_axes(const CameraInfo& info);
+
+/// By its name a topic has rectified images: "/left/image_rect_raw".
+bool is_named_rectified(const std::string& topic);
+
 /// The pair that two of them describe.
 StereoCalibration calibration_of(const CameraInfo& left, const CameraInfo& right,
                                  const std::string& left_from, const std::string& right_from,

@@ -4,13 +4,10 @@
 #include <cmath>
 
 namespace prospect {
-namespace {
 
 std::string without_slash(const std::string& frame) {
-  return !frame.empty() && frame[0] == '/' ? frame.substr(1) : frame;
+  return frame.starts_with('/') ? frame.substr(1) : frame;
 }
-
-}  // namespace
 
 TransformTree::Link* TransformTree::link_to(const std::string& parent, const std::string& child) {
   const std::string above = without_slash(parent), below = without_slash(child);

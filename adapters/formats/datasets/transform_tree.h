@@ -9,6 +9,9 @@
 
 namespace prospect {
 
+/// "/base_link" is "base_link".
+std::string without_slash(const std::string& frame);
+
 /// Frames and where they are in each other over time, as ROS's tf: a forest, each frame with at
 /// most one parent. Names may begin with a slash, which does not count.
 ///

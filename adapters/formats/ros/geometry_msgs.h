@@ -88,6 +88,18 @@ struct PoseWithCovariance {
   }
 };
 
+struct PoseWithCovarianceStamped {
+  static constexpr const char* kType = "geometry_msgs/msg/PoseWithCovarianceStamped";
+  Header header;
+  PoseWithCovariance pose;
+
+  template <class Message, class Visit>
+  static void fields(Message& m, Visit&& visit) {
+    visit("header", m.header);
+    visit("pose", m.pose);
+  }
+};
+
 struct Twist {
   static constexpr const char* kType = "geometry_msgs/msg/Twist";
   Vector3 linear;

@@ -65,7 +65,7 @@ bool is_used_for_stereo_depth(const std::string& path,
   if (topics.contains("left")) return !topics.contains("scan");
   if (topics.contains("depth") || is_used_for_scans(path, topics)) return false;
   const BagFile bag = BagFile::open(path);
-  return find_depth_topic(bag) == nullptr && find_stereo_topics(bag).first != nullptr;
+  return find_depth_topic(bag).topic == nullptr && find_stereo_topics(bag).left != nullptr;
 }
 
 DepthSource open_stereo_depth(const std::string& path, const StereoDatasetOptions& options,

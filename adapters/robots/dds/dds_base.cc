@@ -6,9 +6,12 @@
 #include <cstdint>
 #include <deque>
 #include <mutex>
+#include <string_view>
 #include <utility>
 #include <vector>
 
+#include "adapters/formats/datasets/ros_messages.h"
+#include "adapters/formats/datasets/transform_tree.h"
 #include "adapters/formats/files/input_error.h"
 #include "adapters/formats/ros/geometry_msgs.h"
 #include "adapters/formats/ros/nav_msgs.h"
@@ -26,9 +29,18 @@ struct DdsBase::Impl {
         clock(its_clock),
         links(dds_links(given), its_node) {}
 
+  /// What the transforms that are published rest on is the pose in frames.odom.
+  void check_parent(const std::string& parent) const {
+    const bool rests = options.output.transforms || options.output.odom_transform;
+    if (!rests || without_slash(parent).empty() || without_slash(parent) == options.frames.odom) {
+      return;
+    }
+    throw InputError(options.odometry + ": frame_id is '" + parent + "'; expected '" +
+                     options.frames.odom + "' (frames.odom)");
+  }
   /// Where the frame of the odometry is in B, which it must be or be fixed to.
   Eigen::Isometry3d odometry_frame(const std::string& child) const {
-    if (child == options.frames.base) return Eigen::Isometry3d::Identity();
+    if (without_slash(child) == options.frames.base) return Eigen::Isometry3d::Identity();
     if (!options.odometry_by_tf) {
       throw InputError(options.odometry + ": child_frame_id is '" + child + "'; expected '" +
                        options.frames.base + "' (frames.base), or odometry_frame: tf");
@@ -52,29 +64,18 @@ struct DdsBase::Impl {
     return true;
   }
 
-  void add(const ros::Odometry& m, std::uint64_t publisher) {
+  void add(std::string_view cdr, const std::string& name, std::uint64_t publisher) {
     if (!is_heard(publisher)) return;
-    const Eigen::Isometry3d T_BO = odometry_frame(m.child_frame_id);
+    const RosMotion told = read_ros_motion(cdr, ros::Odometry::kType, name);
+    const RosTransform pose = read_ros_pose(cdr, ros::Odometry::kType, name);
+    check_parent(pose.parent);
+    const Eigen::Isometry3d T_BO = odometry_frame(told.frame);
     // The twist of a rigid body in B: turned, and less what turning adds at the frame's place.
-    const ros::Twist& told = m.twist.twist;
-    const Eigen::Vector3d turning =
-        T_BO.linear() * Eigen::Vector3d(told.angular.x, told.angular.y, told.angular.z);
+    const Eigen::Vector3d turning = T_BO.linear() * told.angular;
     const Eigen::Vector3d moving =
-        T_BO.linear() * Eigen::Vector3d(told.linear.x, told.linear.y, told.linear.z) -
-        turning.cross(Eigen::Vector3d(T_BO.translation()));
-    const ros::Point& p = m.pose.pose.position;
-    const ros::Quaternion& r = m.pose.pose.orientation;
-    const Eigen::Quaterniond q(r.w, r.x, r.y, r.z);
-    const WheelSample sample{ros::seconds(m.header.stamp), moving.head<2>(), turning.z()};
-    if (!sample.velocity.allFinite() || !std::isfinite(sample.yaw_rate) ||
-        !std::isfinite(p.x + p.y + p.z) || !(std::abs(q.norm() - 1.0) < 0.01)) {
-      throw InputError(options.odometry +
-                       ": not a motion; expected finite numbers and a unit quaternion");
-    }
-    Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-    T.linear() = q.normalized().toRotationMatrix();
-    T.translation() << p.x, p.y, p.z;
-    T = T * T_BO.inverse();
+        T_BO.linear() * told.linear - turning.cross(Eigen::Vector3d(T_BO.translation()));
+    const WheelSample sample{told.stamp, moving.head<2>(), turning.z()};
+    const Eigen::Isometry3d T = pose.T * T_BO.inverse();
     const std::lock_guard lock(mutex);
     heard = clock.now();
     offset.add(sample.stamp, *heard);
@@ -127,9 +128,10 @@ DdsBase::DdsBase(const DdsOptions& options, DdsNode& node, const DdsTransforms& 
                  const Clock& clock, DriveRequests* requests)
     : impl_(std::make_shared<Impl>(options, node, transforms, clock)) {
   const auto impl = impl_;
-  node.subscribe<ros::Odometry>(
-      options.odometry, DdsQos{false, false, 50},
-      [impl](const ros::Odometry& m, std::uint64_t publisher) { impl->add(m, publisher); });
+  node.subscribe(options.odometry, ros::definition_of<ros::Odometry>(), DdsQos{false, false, 50},
+                 [impl](std::string_view cdr, const std::string& name, std::uint64_t publisher) {
+                   impl->add(cdr, name, publisher);
+                 });
   if (!options.emergency_stop.empty()) {
     const EmergencyStopContract& contract = options.emergency_stop_contract;
     impl->emergency_stop.emplace(options.emergency_stop, contract);

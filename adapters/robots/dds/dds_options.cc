@@ -4,6 +4,8 @@
 #include <string>
 #include <utility>
 
+#include "adapters/formats/datasets/stereo_calibration.h"
+#include "adapters/formats/datasets/transform_tree.h"
 #include "adapters/formats/files/strict_yaml.h"
 #include "adapters/robots/dds/dds_names.h"
 
@@ -51,7 +53,7 @@ std::string read_namespace(YamlMap root) {
 
 std::string read_frame(YamlMap map, const std::string& key, const std::string& default_value,
                        const std::string& what) {
-  return map.text(key, default_value, what);
+  return without_slash(map.text(key, default_value, what));
 }
 
 std::optional<double> limit(YamlMap map, const char* key, const char* unit, const char* what) {
@@ -101,6 +103,8 @@ DdsOptions read_dds_options(const std::string& path) {
   d.info = topics.read(depth, "info", d.image.empty() ? "" : d.info, "calibration",
                        d.image.empty() ? Empty::kAllowed : Empty::kRefused);
   d.compressed = depth.boolean("compressed", d.compressed, "images are compressedDepth, PNG");
+  d.rectified = depth.boolean("rectified", is_named_rectified(d.image),
+                              "images are rectified: those of a topic with rect in its name");
   d.per_metre = depth.number("per_metre", d.per_metre, 1.0, 1e5, "1/m",
                              "numbers a metre of images of 16 bits");
   d.min_range = depth.number("min_range", d.min_range, 0.0, 100.0, "m", "least depth that counts");

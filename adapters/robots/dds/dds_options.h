@@ -30,7 +30,8 @@ struct DdsOptions {
   } stereo;
   struct Depth {
     std::string image = "/depth/image_rect_raw", info = "/depth/camera_info";
-    bool compressed = false;                  ///< by compressed_depth_image_transport, as PNG
+    bool compressed = false;  ///< by compressed_depth_image_transport, as PNG
+    bool rectified = true;  ///< by P and R of camera_info; else by K, of a lens without distortion
     double per_metre = 1000.0;                ///< of images of 16 bits; those of floats are metres
     double min_range = 0.3, max_range = 8.0;  ///< [m]
   } depth;

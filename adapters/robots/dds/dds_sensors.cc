@@ -14,6 +14,7 @@
 #include "adapters/formats/datasets/ros_messages.h"
 #include "adapters/formats/datasets/ros_scan_messages.h"
 #include "adapters/formats/datasets/stereo_calibration.h"
+#include "adapters/formats/datasets/transform_tree.h"
 #include "adapters/formats/files/input_error.h"
 #include "adapters/formats/images/image_codec.h"
 #include "adapters/formats/ros/sensor_msgs.h"
@@ -76,7 +77,9 @@ struct DdsSensors::Impl {
   void take_image(Camera camera, std::string_view cdr, const std::string& name) const {
     const std::shared_ptr<const Reading> by = reading(camera, name);
     if (!by) return;
-    const double stamp = read_ros_header(cdr, name).stamp;
+    const RosHeader header = read_ros_header(cdr, name);
+    check_frame(camera, header, name);
+    const double stamp = header.stamp;
     const bool is_depth = camera == kDepthCamera;
     const RawImage raw =
         read_ros_image(cdr, is_depth ? options.depth.compressed : options.stereo.compressed, name);
@@ -99,6 +102,22 @@ struct DdsSensors::Impl {
     }
     camera == kLeftCamera ? inbox.left(stamp, std::move(grey))
                           : inbox.right(stamp, std::move(grey));
+  }
+
+  /// Throws unless an image is of the frame that its place is known of: that of its camera_info
+  /// where tf tells it; else that of the first one. Drivers give a pair's right images the left
+  /// frame.
+  void check_frame(Camera camera, const RosHeader& header, const std::string& name) const {
+    const std::lock_guard lock(mutex);
+    std::optional<std::string>& frame = frames[camera];
+    const bool by_info = options.mounts_from_tf && camera != kRightCamera;
+    if (!frame) frame = by_info ? infos[camera]->frame : header.frame;
+    if (without_slash(header.frame).empty() ||
+        without_slash(header.frame) == without_slash(*frame)) {
+      return;
+    }
+    throw InputError(name + ": an image of frame '" + header.frame + "'; expected '" + *frame +
+                     (by_info ? "' of its camera_info" : "' as before"));
   }
 
   /// Of a sensor's frame in B. Throws InputError if tf does not connect them then.
@@ -168,13 +187,7 @@ struct DdsSensors::Impl {
     Eigen::Isometry3d T_left = Eigen::Isometry3d::Identity();  // of the rectified left camera
     if (calibration.rectified) {
       out.cameras.stereo = calibration.camera;
-      // R turns the camera's own frame, which tf knows, into the rectified one.
-      if (infos[kLeftCamera]->info.R.size() == 9) {
-        const auto& R = infos[kLeftCamera]->info.R;
-        const Eigen::Matrix3d turn =
-            Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(R.data());
-        if (turn.determinant() > 0.5) T_left.linear() = turn.transpose();
-      }
+      T_left = rectified_axes(infos[kLeftCamera]->info);
     } else {
       try {
         out.rectification =
@@ -188,7 +201,9 @@ struct DdsSensors::Impl {
     if (!options.depth.info.empty()) {
       size(kDepthCamera, options.depth.info);
       const CameraInfo& info = infos[kDepthCamera]->info;
-      PinholeCamera camera{info.K[0], info.K[4], info.K[2], info.K[5], info.width, info.height};
+      std::vector<std::string> notes;  // of a lens that moves pixels a little
+      const PinholeCamera camera =
+          depth_camera_of(info, options.depth.rectified, options.depth.info, notes);
       try {
         validate(camera);
       } catch (const std::invalid_argument& problem) {
@@ -202,7 +217,12 @@ struct DdsSensors::Impl {
         return *transforms.newest(options.frames.base, infos[camera]->frame);
       };
       out.cameras.stereo_mount = CameraMount{mount(kLeftCamera) * T_left};
-      if (out.cameras.depth) out.cameras.depth_mount = CameraMount{mount(kDepthCamera)};
+      if (out.cameras.depth) {
+        const CameraInfo& info = infos[kDepthCamera]->info;
+        const Eigen::Isometry3d turn =
+            options.depth.rectified ? rectified_axes(info) : Eigen::Isometry3d::Identity();
+        out.cameras.depth_mount = CameraMount{mount(kDepthCamera) * turn};
+      }
     }
     return out;
   }
@@ -214,6 +234,7 @@ struct DdsSensors::Impl {
   mutable std::mutex mutex;
   mutable std::condition_variable came;
   std::array<std::optional<ReceivedInfo>, kCameras> infos;
+  mutable std::array<std::optional<std::string>, kCameras> frames;  // of the images
   std::array<bool, kCameras> changed{};  // the newest calibration is not that of `known`
   mutable std::shared_ptr<const Reading> known;
 };

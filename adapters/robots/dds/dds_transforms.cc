@@ -8,7 +8,9 @@
 #include <string_view>
 #include <vector>
 
+#include "adapters/formats/datasets/elements.h"
 #include "adapters/formats/datasets/ros_messages.h"
+#include "adapters/formats/datasets/trajectory.h"
 #include "adapters/formats/datasets/transform_tree.h"
 #include "adapters/formats/files/input_error.h"
 #include "adapters/formats/ros/tf2_msgs.h"
@@ -23,9 +25,11 @@ struct DdsTransforms::Impl {
   };
 
   void take(std::string_view cdr, const std::string& name, bool fixed) {
-    const std::vector<RosTransform> transforms = read_ros_transforms(cdr, name);
+    Elements elements("transforms");
+    const std::vector<RosTransform> transforms = read_ros_transforms(cdr, name, elements);
     const std::lock_guard lock(mutex);
     for (const RosTransform& t : transforms) {
+      if (!is_known(t.T)) continue;
       frames.insert(t.child);
       if (frames.size() > kMostFrames) {
         throw InputError(name + ": more than " + std::to_string(kMostFrames) +
@@ -39,6 +43,7 @@ struct DdsTransforms::Impl {
       }
     }
     if (!fixed) tree.forget_before(newest_stamp - kKept);
+    if (elements.bad() > 0) throw InputError(elements.first());
   }
 
   std::optional<Eigen::Isometry3d> newest(const std::string& to, const std::string& from) const {

@@ -12,8 +12,8 @@ namespace prospect {
 /// The frames of a robot behind topics of ROS 2, as its topics of transforms tell them. Of what
 /// moves the newest 5 s are kept.
 ///
-/// Declares its topics on the node: make it before DdsNode::start(). Transforms that are none, and
-/// more than 10 000 frames, are faults of their topic. Thread-safety: any thread.
+/// Declares its topics on the node: make it before DdsNode::start(). Transforms that are none
+/// are left out, and with more than 10 000 frames faults of their topic. Thread-safety: any thread.
 class DdsTransforms {
  public:
   explicit DdsTransforms(DdsNode& node, const std::string& tf = "/tf",

@@ -28,6 +28,10 @@
 #include "adapters/formats/datasets/stereo_dataset.h"
 #include "adapters/formats/files/input_error.h"
 #include "adapters/formats/images/image_codec.h"
+#include "adapters/formats/ros/cdr.h"
+#include "adapters/formats/ros/nav_msgs.h"
+#include "adapters/formats/ros/sensor_msgs.h"
+#include "adapters/formats/ros/tf2_msgs.h"
 #include "adapters/missions/recordings/inspection.h"
 #include "adapters/missions/recordings/odometry_run.h"
 #include "adapters/missions/recordings/stereo_depth_source.h"
@@ -352,6 +356,92 @@ TEST_F(RosBag, OneBadMessageIsLeftOutAndCounted) {
   EXPECT_EQ(summarize(run).ok, kFrames - 1);
   EXPECT_THAT(run.notes,
               Contains(HasSubstr("/stereo/right/image_raw message 1: the message ends")));
+}
+
+/// A message of a bag with one of its fields changed.
+template <ros::Message T>
+void change(BagMessage& m, const std::function<void(T&)>& how) {
+  const std::string before = m.bytes;  // whose views the message has
+  T message = ros::from_cdr<T>(before, "m");
+  how(message);
+  m.bytes = ros::to_cdr(message);
+}
+
+TEST_F(RosBag, WhatChangesOnTheWayIsLeftOutAndCounted) {
+  struct Row {
+    std::string topic;
+    int which;  // of its messages; -1: all
+    std::function<void(BagMessage&)> change;
+    std::string expected;  // among the notes
+    std::size_t truth = kFrames;
+    int pairs = kFrames;
+  };
+  const auto odometry = [](const std::function<void(ros::Odometry&)>& how) {
+    return [how](BagMessage& m) { change<ros::Odometry>(m, how); };
+  };
+  const auto info = [](const std::function<void(ros::CameraInfo&)>& how) {
+    return [how](BagMessage& m) { change<ros::CameraInfo>(m, how); };
+  };
+  const std::vector<Row> rows = {
+      {"/stereo/left/image_raw", 1,
+       [](BagMessage& m) {
+         change<ros::Image>(m, [](ros::Image& image) { image.header.frame_id = "rear"; });
+       },
+       "1 of 4 images of /stereo/left/image_raw left out: /stereo/left/image_raw message 1: is of "
+       "frame 'rear', before of 'left'",
+       kFrames, kFrames - 1},
+      {"/odom", 2, odometry([](ros::Odometry& m) { m.child_frame_id = "wheel"; }),
+       "1 of 4 poses of /odom left out: /odom message 2: a pose of 'wheel', before of 'base_link'",
+       kFrames - 1},
+      {"/odom", 2, odometry([](ros::Odometry& m) { m.header.frame_id = "map"; }),
+       "1 of 4 poses of /odom left out: /odom message 2: is of frame 'map', before of 'odom'",
+       kFrames - 1},
+      {"/odom", 0, odometry([](ros::Odometry& m) { m.pose.covariance[0] = -1.0; }),
+       "1 of 4 poses of /odom left out: /odom message 0: a variance of -1 says", kFrames - 1},
+      {"/odom", -1, odometry([](ros::Odometry& m) { m.header.stamp = {}; }),
+       "/odom: 4 poses without a stamp: the time of recording stands for it"},
+      {"/stereo/right/camera_info", 0, info([](ros::CameraInfo& m) { m.k = {}, m.p = {}; }),
+       "1 of 4 calibrations of /stereo/right/camera_info left out: /stereo/right/camera_info "
+       "message 0: K and P are 0"},
+      {"/tf_static", -1,
+       [](BagMessage& m) {
+         change<ros::TFMessage>(m, [](ros::TFMessage& tf) {
+           tf.transforms.push_back(tf.transforms[0]);
+           tf.transforms[0].transform.translation.x += 1.0;
+         });
+       },
+       "TF: left in base_link is told to be fixed at two places; the newest counts"}};
+  for (const Row& row : rows) {
+    SCOPED_TRACE(row.expected);
+    std::vector<BagMessage> messages = stereo_messages();
+    int n = 0;
+    for (BagMessage& m : messages) {
+      if (m.topic == row.topic && (row.which < 0 || n++ == row.which)) row.change(m);
+    }
+    StereoDatasetOptions options;
+    options.topics["truth"] = "/odom";
+    const StereoDataset dataset = StereoDataset::open(
+        write("a.mcap", test::mcap_of(messages, 7, "", plain, checksum)), options);
+    EXPECT_THAT(dataset.notes(), Contains(HasSubstr(row.expected)));
+    EXPECT_EQ(dataset.size(), row.pairs);
+    EXPECT_EQ(dataset.ground_truth().size(), row.truth);
+  }
+}
+
+TEST_F(RosBag, OtherPairsAreNamed) {
+  std::vector<BagMessage> messages = stereo_messages();
+  const std::size_t n = messages.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    BagMessage m = messages[i];
+    if (!m.topic.starts_with("/stereo")) continue;
+    m.topic.replace(0, 7, "/rear");
+    messages.push_back(m);
+  }
+  const StereoDataset dataset =
+      StereoDataset::open(write("a.mcap", test::mcap_of(messages, 7, "", plain, checksum)));
+  EXPECT_THAT(dataset.notes(),
+              Contains(HasSubstr("by their names; not used: /rear/left/image_raw and "
+                                 "/rear/right/image_raw")));
 }
 
 TEST_F(RosBag, MessagesInOtherEncodingsAreNamed) {

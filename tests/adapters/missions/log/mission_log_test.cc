@@ -13,6 +13,7 @@
 #include <string>
 
 #include "adapters/formats/bags/bag_file.h"
+#include "adapters/formats/datasets/elements.h"
 #include "adapters/formats/datasets/ros_messages.h"
 #include "adapters/formats/files/input_error.h"
 #include "adapters/formats/ros/cdr.h"
@@ -209,8 +210,10 @@ TEST_F(MissionLogTest, EveryTopicHasItsMessage) {
   EXPECT_EQ(said.name, "guard");
   EXPECT_EQ(said.msg, "map: something stands there");
   // By the readers of recordings.
-  EXPECT_EQ(read_ros_transforms(message("/tf"), "tf")[0].parent, "odom");
-  EXPECT_EQ(read_ros_transforms(message("/tf_static"), "tf").size(), 5U);
+  Elements transforms("transforms");
+  EXPECT_EQ(read_ros_transforms(message("/tf"), "tf", transforms)[0].parent, "odom");
+  EXPECT_EQ(read_ros_transforms(message("/tf_static"), "tf", transforms).size(), 5U);
+  EXPECT_EQ(transforms.bad(), 0);
   const RawImage left = read_ros_image(message("/camera/left/image_rect"), false, "left");
   EXPECT_EQ(left.width, 8);
   EXPECT_EQ(read_ros_header(message("/camera/right/camera_info"), "info").frame,

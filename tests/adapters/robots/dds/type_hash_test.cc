@@ -8,6 +8,7 @@
 
 #include "adapters/formats/ros/nav_msgs.h"
 #include "adapters/formats/ros/sensor_msgs.h"
+#include "adapters/formats/ros/tf2_msgs.h"
 #include "adapters/formats/ros/visualization_msgs.h"
 #include "adapters/robots/dds/dds_names.h"
 
@@ -25,7 +26,31 @@ TEST(TypeHash, IsTheOneThatRos2Publishes) {
       {ros::definition_of<ros::OccupancyGrid>(),
        "RIHS01_8d348150c12913a31ee0ec170fbf25089e4745d17035792a1ba94d6f0bc0cfc7"},
       {ros::definition_of<ros::MarkerArray>(),
-       "RIHS01_86cb8800b6fb05b5eff1abd7a56f62a5641d3ae9a1c29e78e67e704f1d067dcf"}};
+       "RIHS01_86cb8800b6fb05b5eff1abd7a56f62a5641d3ae9a1c29e78e67e704f1d067dcf"},
+      {ros::definition_of<ros::CameraInfo>(),
+       "RIHS01_b3dfd68ff46c9d56c80fd3bd4ed22c7a4ddce8c8348f2f59c299e73118e7e275"},
+      {ros::definition_of<ros::CompressedImage>(),
+       "RIHS01_15640771531571185e2efc8a100baf923961a4d15d5569652e6cb6691e8e371a"},
+      {ros::definition_of<ros::LaserScan>(),
+       "RIHS01_64c191398013af96509d518dac71d5164f9382553fce5c1f8cca5be7924bd828"},
+      {ros::definition_of<ros::PointCloud2>(),
+       "RIHS01_9198cabf7da3796ae6fe19c4cb3bdd3525492988c70522628af5daa124bae2b5"},
+      {ros::definition_of<ros::Odometry>(),
+       "RIHS01_3cc97dc7fb7502f8714462c526d369e35b603cfc34d946e3f2eda2766dfec6e0"},
+      {ros::definition_of<ros::PoseStamped>(),
+       "RIHS01_10f3786d7d40fd2b54367835614bff85d4ad3b5dab62bf8bca0cc232d73b4cd8"},
+      {ros::definition_of<ros::PoseWithCovarianceStamped>(),
+       "RIHS01_26432f9803e43727d3c8f668d1fdb3c630f548af631e2f4e31382371bfea3b6e"},
+      {ros::definition_of<ros::TransformStamped>(),
+       "RIHS01_0a241f87d04668d94099cbb5ba11691d5ad32c2f29682e4eb5653424bd275206"},
+      {ros::definition_of<ros::TFMessage>(),
+       "RIHS01_e369d0f05a23ae52508854b66f6aa0437f3449d652e8cbf22d5abe85d020f087"},
+      {ros::definition_of<ros::TwistStamped>(),
+       "RIHS01_5f0fcd4f81d5d06ad9b4c4c63e3ea51b82d6ae4d0558f1d475229b1121db6f64"},
+      {ros::definition_of<ros::Twist>(),
+       "RIHS01_9c45bf16fe0983d80e3cfe750d6835843d265a9a6c46bd2e609fcddde6fb8d2a"},
+      {ros::definition_of<ros::Bool>(),
+       "RIHS01_feb91e995ff9ebd09c0cb3d2aed18b11077585839fb5db80193b62d74528f6c9"}};
   for (const auto& [definition, hash] : rows) {
     EXPECT_EQ(type_hash(definition), hash) << definition.front().name;
   }
