@@ -1,7 +1,9 @@
 """Arrays are the numbers that were given, or are refused: no function casts them to others."""
 
+import copy
 import inspect
 import pathlib
+import pickle
 import re
 import tempfile
 import unittest
@@ -283,6 +285,31 @@ class ArraysTest(unittest.TestCase):
 
         with self.assertRaisesRegex(Exception, r"attraction.value: has dtype bool"):
             prospect.Problem(UNICYCLE, [0, 0, 0], [Flags(1, 1)]).cost(np.zeros(20))
+
+    def test_a_cost_is_one_number(self):
+        wrong = {
+            (2,): np.ones(2),
+            (2, 1): np.ones((2, 1)),
+            (0,): np.ones(0),
+            "dtype bool": True,
+            "dtype complex128": 1j,
+            "dtype object": None,
+            "dtype <U1": "1",
+        }
+        for said, given in wrong.items():
+            problem = FUNCTIONS([-1, -1], [1, 1], lambda z, given=given: given)
+            with self.subTest(said):
+                with self.assertRaises((TypeError, ValueError)) as caught:
+                    problem.cost([0.1, 0.2])
+                self.assertRegex(str(caught.exception), f"cost: has (shape )?{re.escape(str(said))}; expected")
+        for given in (2, 2.0, np.float32(2), np.array(2.0), np.array([[2.0]])):
+            self.assertEqual(FUNCTIONS([-1, -1], [1, 1], lambda z, given=given: given).cost([0.1, 0.2]), 2.0)
+
+    def test_what_lives_in_the_process_is_not_copied(self):
+        for thing in (PROBLEM, CONFIGURATION, MAPS, BELIEF, UNICYCLE, PROBLEM.start, prospect.Registries()):
+            for call in (pickle.dumps, copy.copy, copy.deepcopy):
+                with self.assertRaisesRegex(TypeError, f"{type(thing).__name__}: cannot be pickled or copied"):
+                    call(thing)
 
     def test_paths_are_paths(self):
         with tempfile.TemporaryDirectory() as folder:

@@ -121,6 +121,16 @@ Eigen::VectorXd vector_of(const ArrayLike& array, py::ssize_t size, const std::s
   return Eigen::Map<const Eigen::VectorXd>(numbers.data(), numbers.size());
 }
 
+double number_of(const py::object& given, const std::string& name) {
+  if (PyFloat_CheckExact(given.ptr())) return PyFloat_AS_DOUBLE(given.ptr());
+  const Numbers numbers = numbers_of(ArrayLike{given}, name, Entries::kAny);
+  if (numbers.size() != 1) {
+    throw std::invalid_argument(name + ": has shape " + shape_text(numbers) +
+                                "; expected one number");
+  }
+  return numbers.data()[0];
+}
+
 Eigen::MatrixXd transposed(const ArrayLike& array, py::ssize_t rows, py::ssize_t columns,
                            const std::string& name, Entries entries) {
   const Numbers numbers = numbers_of(array, {rows, columns}, name, entries);

@@ -55,6 +55,10 @@ Bytes codes_of(const ArrayLike& array, const std::vector<py::ssize_t>& shape, in
 Eigen::VectorXd vector_of(const ArrayLike& array, py::ssize_t size, const std::string& name,
                           Entries entries = Entries::kFinite);
 
+/// One number: of Python, or an array with one entry; nan is one, too. Throws as numbers_of(),
+/// "cost: has shape (2,); expected one number".
+double number_of(const py::object& given, const std::string& name);
+
 /// The transpose of an array of shape (rows, columns): candidates, one a row, as columns.
 Eigen::MatrixXd transposed(const ArrayLike& array, py::ssize_t rows, py::ssize_t columns,
                            const std::string& name, Entries entries = Entries::kFinite);

@@ -10,4 +10,7 @@ void bind_problem(pybind11::module_& m);
 void bind_solver(pybind11::module_& m);
 void bind_planner(pybind11::module_& m);
 
+/// Of each class of the module that pybind11 made: to pickle or copy an object is refused in words.
+void refuse_copies(pybind11::module_& m);
+
 }  // namespace prospect::python

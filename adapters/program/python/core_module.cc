@@ -18,4 +18,5 @@ PYBIND11_MODULE(_core, m) {
   prospect::python::bind_problem(m);
   prospect::python::bind_solver(m);
   prospect::python::bind_planner(m);
+  prospect::python::refuse_copies(m);
 }

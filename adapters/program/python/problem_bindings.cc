@@ -77,7 +77,7 @@ ProblemDefinition::WeightedTerm weighted_term(const py::handle& given) {
       throw std::invalid_argument("terms: has an entry of " + std::to_string(pair.size()) +
                                   "; expected a term, or (term, weight)");
     }
-    return {std::make_shared<PythonTerm>(pair[0]), pair[1].cast<double>()};
+    return {std::make_shared<PythonTerm>(pair[0]), number_of(pair[1], "weight")};
   }
   return {std::make_shared<PythonTerm>(py::reinterpret_borrow<py::object>(given)), 1.0};
 }
@@ -110,7 +110,7 @@ std::function<Result(const Eigen::VectorXd&)> function_of(const py::object& f,
     return callback("", [&](const py::object& call) -> Result {
       const py::object given = call(array_of(u));
       if constexpr (std::is_same_v<Result, double>) {
-        return given.cast<double>();
+        return number_of(given, name);
       } else {
         const Numbers numbers = numbers_of(ArrayLike{given}, shape, name, Entries::kAny);
         if constexpr (std::is_same_v<Result, Eigen::VectorXd>) {

@@ -13,6 +13,7 @@
 
 #include "adapters/missions/config/registries.h"
 #include "adapters/program/cli/command_line.h"
+#include "adapters/program/python/bindings.h"
 #include "adapters/program/python/callback.h"
 #include "adapters/program/python/ground_arrays.h"
 #include "adapters/program/python/logged_run_arrays.h"
@@ -152,4 +153,5 @@ PYBIND11_MODULE(_program, m) {
   m.def("run_program", &run_program, py::arg("arguments"), py::arg("run_file"), py::arg("program"),
         "The command line: gives its exit code. run_file(path, registries) runs a plug-in in "
         "Python. program: the words that start it anew, for missions of studies and replays.");
+  refuse_copies(m);
 }
