@@ -134,7 +134,8 @@ TEST_F(MissionLogTest, StampsOfPlannerCallsNeverGoBack) {
   {
     MissionLog log(path_, start_, options_);
     Belief belief;
-    for (double now = 5.0; now < 6.0; now += 0.1) {
+    for (int n = 0; n < 10; ++n) {
+      const double now = 5.0 + 0.1 * n;
       belief.stamp = now;
       log.on_prepare(belief);
       belief.stamp = now + 0.3;

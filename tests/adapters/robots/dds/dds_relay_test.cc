@@ -79,6 +79,24 @@ TEST(DdsRelay, PassesCommandsOnAndStopsTheRobotWhenTheyCease) {
   EXPECT_TRUE(within(kPatience, [&] { return fastest > 0.3; }));
   EXPECT_LE(fastest, 0.5);
   EXPECT_TRUE(within(kPatience, [&] { return newest == 0.0; }));
+  {
+    DdsNode past(test::dds_test_address("past"));
+    past.advertise<ros::TwistStamped>("/cmd_vel", kCommandQos);
+    past.start();
+    EXPECT_TRUE(within(
+        kPatience,
+        [&] {
+          const std::lock_guard lock(mutex);
+          return told.find(
+                     "2 publishers of commands: /prospect, /past on /cmd_vel; expected one") !=
+                 std::string::npos;
+        },
+        [&] {
+          base.send({{0.1, 0.0, 0.0}, 0.0}, clock.now() + 1.0);
+        }))
+        << "who commands the motors past it";
+    EXPECT_TRUE(within(kPatience, [&] { return newest == 0.0; }));
+  }
   DdsNode other(test::dds_test_address("other"));
   const int topic = other.advertise<ros::TwistStamped>("/prospect/cmd_vel", kCommandQos);
   other.start();
