@@ -243,7 +243,7 @@ int run(int argc, char** argv) {
 
   options.topics = read_dds_options(file);
   const Registries registries;
-  options.configuration = read_configuration("", registries, settings);
+  options.configuration = read_configuration("", registries, {settings.begin(), settings.end()});
   DdsAddress address = options.topics.address;
   address.node = "robot";
   if (vendor == "fast") {

@@ -131,7 +131,7 @@ void judge(const std::vector<Sample>& samples, const FaultCase& one, FaultOutcom
 }  // namespace
 
 Configuration fault_drive_configuration(const std::string& world) {
-  std::vector<std::string> settings = {"planner.polished=1", "planner.polish_evaluations=20"};
+  std::vector<YamlSetting> settings = {"planner.polished=1", "planner.polish_evaluations=20"};
   if (world == "corridor") {
     settings.insert(settings.end(), {"task.kind=go", "task.goal=[12, 0]",
                                      "simulator.odometry.perfect=true", "planner.weights.w_l=0"});

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "models/camera.h"
+#include "models/robot_description.h"
 #include "models/types.h"
 #include "runtime/base.h"
 #include "runtime/belief_source.h"
@@ -34,10 +35,10 @@ struct Robot {
   double made = 0.0;                     ///< [s] of the clock
   bool simulated_time = false;           ///< the clock is a simulation's that somebody else runs
   std::optional<PinholeCamera> depth{};  ///< none: it has no depth images
-  /// What it tells of itself, above its description: settings such as "robot.stereo.fx=450", and
-  /// who says so.
-  std::vector<std::string> settings{};
-  std::string settings_of{};
+  /// What it was described as, with what it tells of its cameras itself; and who tells, for
+  /// messages. Without a model: it tells nothing.
+  RobotDescription description{};
+  std::string described_by{};
   const EmergencyStopInput* emergency_stop = nullptr;  ///< null: nobody presses one
   std::vector<MissionObserver*> observers{};           ///< what it tells others of its mission
   /// What is wrong with its links, a sentence each; empty: nobody says.

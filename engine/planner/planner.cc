@@ -69,7 +69,7 @@ PlannerParameters completed(const RobotDescription& robot, PlannerParameters p) 
   const std::vector<std::string> wrong =
       faults(p.task, p.frontier_planner.traversability.zones.get(),
              p.frontier_planner.traversability.hard_radius);
-  if (!wrong.empty()) throw std::invalid_argument("planner.task: " + wrong.front());
+  if (!wrong.empty()) throw std::invalid_argument("planner: task." + wrong.front());
   if (const std::string misfit = planner_misfit(robot, p, p.map_resolution); !misfit.empty()) {
     throw std::invalid_argument(misfit);
   }

@@ -88,7 +88,8 @@ WheelFusion::WheelFusion(const WheelFusionOptions& options) : options_(options) 
                   "start", options.start.yaw, "a finite pose");
   x_.segment<3>(kReference) << options.start.position.head<2>(), options.start.yaw;
   x_[kScale] = x_[kTurnScale] = 1.0;
-  P_(kScale, kScale) = P_(kTurnScale, kTurnScale) = options.sigma_scale * options.sigma_scale;
+  P_(kScale, kScale) = P_(kTurnScale, kTurnScale) =
+      options.noise.sigma_scale * options.noise.sigma_scale;
 }
 
 void WheelFusion::begin(double stamp) {
@@ -137,10 +138,10 @@ void WheelFusion::move(const Vector2d& velocity, double yaw_rate, double dt) {
   // Along and across the direction of driving; the yaw's error acts on the second half of the way.
   Matrix2d axes = Matrix2d::Identity();
   if (way > 0.0) axes << v / v.norm(), kTurn * v / v.norm();
-  const Vector2d variance(options_.along * options_.along * way,
-                          options_.across * options_.across * way);
-  const double yaw_variance =
-      options_.turn * options_.turn * turn + options_.heading * options_.heading * way;
+  const Vector2d variance(options_.noise.along * options_.noise.along * way,
+                          options_.noise.across * options_.noise.across * way);
+  const double yaw_variance = options_.noise.turn * options_.noise.turn * turn +
+                              options_.noise.heading * options_.noise.heading * way;
   Eigen::Matrix<double, 3, 3> G = Matrix3d::Identity();
   G.topLeftCorner<2, 2>() = R * axes;
   G.topRightCorner<2, 1>() = 0.5 * d_psi;
@@ -414,9 +415,10 @@ FusedOdometry WheelFusion::at(double stamp) const {
     out.state = Localization::kDegraded;
   }
   // Of a piece by the wheels: along sqrt(piece) of the piece.
-  out.agreement = scale_agreement(
-      {now.log_ratios_.begin(), now.log_ratios_.end()}, options_.along / std::sqrt(options_.piece),
-      std::hypot(options_.sigma_scale, now.scale_sigma_), options_.agreement);
+  out.agreement =
+      scale_agreement({now.log_ratios_.begin(), now.log_ratios_.end()},
+                      options_.noise.along / std::sqrt(options_.piece),
+                      std::hypot(options_.noise.sigma_scale, now.scale_sigma_), options_.agreement);
   if (out.agreement.verdict == ScaleAgreement::Verdict::kDisagree) {
     add_reason(out.reason, to_string(out.agreement, "the way by vision is", "that by the wheels") +
                                ": one of them is calibrated wrongly");

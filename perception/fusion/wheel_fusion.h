@@ -20,14 +20,22 @@ struct WheelSample {
   double yaw_rate = 0.0;                               ///< [rad/s]
 };
 
-struct WheelFusionOptions {
-  /// Standard deviations of what wheels measure; variances grow with the way and the turn made.
+/// Standard deviations of what wheels measure; variances grow with the way and the turn made.
+struct WheelNoise {
   double along = 0.02;    ///< of the distance [m per sqrt(m)]
   double across = 0.01;   ///< to the side [m per sqrt(m)]
   double turn = 0.03;     ///< of the yaw, from turning [rad per sqrt(rad)]
   double heading = 0.02;  ///< of the yaw, from driving [rad per sqrt(m)]
-  /// Of s and r at the start [-]. Wheels of a real floor slip, and nobody has measured how much.
+  /// Of the scales of speed and yaw rate, which stay as they are [-]. Wheels of a real floor slip,
+  /// and nobody has measured how much.
   double sigma_scale = 0.1;
+};
+
+/// The knobs (models/knobs.h).
+void describe(Knobs& knobs, WheelNoise& noise);
+
+struct WheelFusionOptions {
+  WheelNoise noise;             ///< sigma_scale: of s and r at the start
   double scale_walk = 0.0005;   ///< of s and r [1 per sqrt(m), 1 per sqrt(rad)]
   double gate = 16.3;           ///< of an innovation: chi^2_3, 0.999
   int slips = 3;                ///< visual frames in a row beyond the gate: the wheels have slipped

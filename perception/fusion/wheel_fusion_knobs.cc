@@ -13,14 +13,18 @@ void describe(Knobs& knobs, ScaleAgreementOptions& o) {
   knobs.integer("least_samples", o.least_samples, {1, 100000}, "1", "fewer say nothing");
 }
 
-void describe(Knobs& knobs, WheelFusionOptions& o) {
+void describe(Knobs& knobs, WheelNoise& o) {
   knobs.number("along", o.along, {0.0, 10.0}, "m/sqrt(m)", "error of the distance");
   knobs.number("across", o.across, {0.0, 10.0}, "m/sqrt(m)", "error to the side");
   knobs.number("turn", o.turn, {0.0, 10.0}, "rad/sqrt(rad)", "error of the heading from turning");
   knobs.number("heading", o.heading, {0.0, 10.0}, "rad/sqrt(m)",
                "error of the heading from driving");
   knobs.number("sigma_scale", o.sigma_scale, {0.0, 10.0}, "1",
-               "error of the wheels' scales at the start");
+               "error of the scales of speed and yaw rate");
+}
+
+void describe(Knobs& knobs, WheelFusionOptions& o) {
+  describe(knobs, o.noise);
   knobs.number("scale_walk", o.scale_walk, {0.0, 10.0}, "1/sqrt(m)", "by which the scales wander");
   knobs.number("gate", o.gate, {0.1, 1e6}, "1", "chi squared up to which vision agrees with them");
   knobs.integer("slips", o.slips, {1, 10000}, "1",

@@ -37,6 +37,7 @@ struct YamlMap::Node {
   std::vector<Entry> entries;
   std::vector<std::string> asked;  ///< keys that a reader knows, for "did you mean"
   bool entered = false;            ///< a reader took it as the mapping it is
+  bool fallback = false;           ///< a setting asks for the default
 };
 
 struct YamlMap::State {
@@ -105,7 +106,9 @@ std::string format(const std::vector<double>& values) {
   return out + "]";
 }
 
-std::string format_text(const std::string& text) {
+}  // namespace
+
+std::string yaml_text(const std::string& text) {
   static const std::vector<std::string> kWords = {"true", "false", "null", "yes",
                                                   "no",   "on",    "off"};
   const std::string lowered = lower_case(text);
@@ -135,9 +138,11 @@ std::string format_text(const std::string& text) {
   return out + "\"";
 }
 
+namespace {
+
 std::string format(const std::vector<std::string>& texts) {
   std::string out = "[";
-  for (std::size_t i = 0; i < texts.size(); ++i) out += (i ? ", " : "") + format_text(texts[i]);
+  for (std::size_t i = 0; i < texts.size(); ++i) out += (i ? ", " : "") + yaml_text(texts[i]);
   return out + "]";
 }
 
@@ -334,21 +339,22 @@ void move_to_line(Node& node, int line) {
 
 }  // namespace
 
-void StrictYaml::set(const std::string& setting, const std::string& told_by) {
+void StrictYaml::set(const YamlSetting& setting) {
   using Node = YamlMap::Node;
   YamlMap::State& state = *state_;
   const int line = YamlMap::State::kSettings + static_cast<int>(state.settings.size());
-  state.settings.push_back(told_by + " " + shown(setting));
+  const std::string& text = setting.assignment;
+  state.settings.push_back(setting.where.empty() ? "--set " + shown(text) : setting.where);
   const auto refuse = [&](const std::string& what) {
     throw InputError(state.at(line) + ": " + what);
   };
-  const std::size_t equals = setting.find('=');
-  if (equals == std::string::npos || setting.find_first_of("\r\n") != std::string::npos) {
+  const std::size_t equals = text.find('=');
+  if (equals == std::string::npos || text.find_first_of("\r\n") != std::string::npos) {
     refuse("no value; expected KEY=VALUE, such as planner.weights.w_l=0");
   }
   std::unique_ptr<Node> value;
   try {
-    const StrictYaml parsed = from_text("value: " + setting.substr(equals + 1), "value");
+    const StrictYaml parsed = from_text("value: " + text.substr(equals + 1), "value");
     if (parsed.state_->problems.empty() && parsed.state_->root->entries.size() == 1) {
       value = std::move(parsed.state_->root->entries.front().value);
     }
@@ -356,11 +362,12 @@ void StrictYaml::set(const std::string& setting, const std::string& told_by) {
     // Told below.
   }
   if (!value) refuse("not a value; expected YAML on one line: a scalar, [a, list] or {a: mapping}");
+  value->fallback = text.substr(equals + 1) == "~";
   move_to_line(*value, line);
 
   Node* node = state.root.get();
   std::string path;
-  std::string keys = setting.substr(0, equals);
+  std::string keys = text.substr(0, equals);
   while (true) {
     const std::size_t dot = keys.find('.');
     const std::string key = keys.substr(0, dot);
@@ -372,12 +379,14 @@ void StrictYaml::set(const std::string& setting, const std::string& told_by) {
     path += (path.empty() ? "" : ".") + key;
     auto entry = std::find_if(node->entries.begin(), node->entries.end(),
                               [&](const Node::Entry& e) { return e.key == key; });
-    if (entry == node->entries.end()) {
+    const bool created = entry == node->entries.end();
+    if (created) {
       node->entries.push_back({key, line, std::make_unique<Node>(), false});
       entry = std::prev(node->entries.end());
       entry->value->line = line;
     }
     if (dot == std::string::npos) {
+      if (setting.unless_told && !created) return;
       entry->line = line;
       entry->value = std::move(value);
       return;
@@ -494,21 +503,28 @@ YamlMap::Node* YamlMap::find(const std::string& key) const {
   for (Node::Entry& entry : node_->entries) {
     if (entry.key == key) {
       entry.read = true;
-      return entry.value.get();
+      return entry.value->fallback ? nullptr : entry.value.get();
     }
   }
   return nullptr;
 }
 
 bool YamlMap::has(const std::string& key) const {
-  return node_ != nullptr && std::any_of(node_->entries.begin(), node_->entries.end(),
-                                         [&](const Node::Entry& e) { return e.key == key; });
+  return node_ != nullptr &&
+         std::any_of(node_->entries.begin(), node_->entries.end(),
+                     [&](const Node::Entry& e) { return e.key == key && !e.value->fallback; });
 }
 
 std::vector<std::string> YamlMap::keys() const {
   std::vector<std::string> out;
   if (node_ != nullptr) {
-    for (const Node::Entry& entry : node_->entries) out.push_back(entry.key);
+    for (Node::Entry& entry : node_->entries) {
+      if (entry.value->fallback) {
+        entry.read = true;
+      } else {
+        out.push_back(entry.key);
+      }
+    }
   }
   return out;
 }
@@ -557,11 +573,12 @@ void YamlMap::missing(const std::string& key, const std::string& expected) {
 
 void YamlMap::record(const std::string& key, const std::string& value,
                      const std::string& default_value, const std::string& unit,
-                     const std::string& range, const std::string& description) {
-  ConfigEntry entry{child_path(key), value, default_value, unit, range, description};
+                     const std::string& range, const std::string& description,
+                     const std::vector<std::string>& words) {
+  ConfigEntry entry{child_path(key), value, default_value, unit, range, description, words};
   if (node_ != nullptr) {
     for (const Node::Entry& told : node_->entries) {
-      if (told.key != key) continue;
+      if (told.key != key || told.value->fallback) continue;
       entry.from_file = true;
       entry.set = told.line >= State::kSettings;
       entry.where = state_->at(told.line);
@@ -667,7 +684,7 @@ bool YamlMap::boolean(const std::string& key, bool default_value, const std::str
     }
   }
   record(key, value ? "true" : "false", default_value ? "true" : "false", "", "true, false",
-         description);
+         description, {"true", "false"});
   return value;
 }
 
@@ -687,7 +704,7 @@ bool YamlMap::loose_boolean(const std::string& key, bool default_value,
     }
   }
   record(key, value ? "true" : "false", default_value ? "true" : "false", "", "true, false",
-         description);
+         description, {"true", "false"});
   return value;
 }
 
@@ -701,7 +718,7 @@ std::string YamlMap::text(const std::string& key, const std::string& default_val
       problem(key, what_it_is(*node) + "; expected a text");
     }
   }
-  record(key, format_text(value), format_text(default_value), "", "text", description);
+  record(key, yaml_text(value), yaml_text(default_value), "", "text", description);
   return value;
 }
 
@@ -716,7 +733,7 @@ std::string YamlMap::required_text(const std::string& key, const std::string& de
   } else {
     missing(key, "a text");
   }
-  record(key, format_text(value), "", "", "text", description);
+  record(key, yaml_text(value), "", "", "text", description);
   return value;
 }
 
@@ -762,7 +779,8 @@ std::string YamlMap::read_choice(const std::string& key, const std::string& defa
       problem(key, what_it_is(*node) + hint + "; expected one of: " + listed(choices));
     }
   }
-  record(key, format_text(value), format_text(default_value), "", listed(choices), description);
+  record(key, yaml_text(value), yaml_text(default_value), "", listed(choices), description,
+         choices);
   return value;
 }
 
@@ -782,7 +800,7 @@ std::string YamlMap::required_choice(const std::string& key,
   } else {
     missing(key, "one of: " + listed(choices));
   }
-  record(key, format_text(value), "", "", listed(choices), description);
+  record(key, yaml_text(value), "", "", listed(choices), description, choices);
   return value;
 }
 
@@ -885,8 +903,7 @@ std::string on_one_line(const Node& node) {
       return "[" + out + "]";
     case Node::Kind::kMap:
       for (const auto& entry : node.entries) {
-        out +=
-            (out.empty() ? "" : ", ") + format_text(entry.key) + ": " + on_one_line(*entry.value);
+        out += (out.empty() ? "" : ", ") + yaml_text(entry.key) + ": " + on_one_line(*entry.value);
       }
       return "{" + out + "}";
     default:
@@ -898,7 +915,7 @@ std::string on_one_line(const Node& node) {
                        return std::isalnum(static_cast<unsigned char>(c)) ||
                               std::string_view("_./+-").find(c) != std::string::npos;
                      });
-  return plain ? node.scalar : format_text(node.scalar);
+  return plain ? node.scalar : yaml_text(node.scalar);
 }
 
 }  // namespace
@@ -1001,14 +1018,14 @@ void print(const Printed& node, int depth, bool after_dash, std::string& out) {
     }
     if (child.entry == nullptr) {
       const bool list = !child.children.empty() && child.children.front().is_item;
-      out += indent + format_text(child.name) + ":\n";
+      out += indent + yaml_text(child.name) + ":\n";
       print(child, depth + (list ? 0 : 1), false, out);
       continue;
     }
     const ConfigEntry& e = *child.entry;
     const bool unset = e.value == "inf" || e.value == "-inf" || e.value == "nan";
     std::string line =
-        indent + (unset && e.unit != "" ? "# " : "") + format_text(child.name) + ": " + e.value;
+        indent + (unset && e.unit != "" ? "# " : "") + yaml_text(child.name) + ": " + e.value;
     std::string note = e.description;
     if (!e.unit.empty()) note += (note.empty() ? "[" : " [") + e.unit + "]";
     if (!e.default_value.empty() && e.default_value != e.value) {

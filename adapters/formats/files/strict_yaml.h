@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "adapters/formats/files/input_error.h"
@@ -12,15 +13,16 @@ namespace prospect {
 
 /// One setting as it is in effect: read from the file, or its default.
 struct ConfigEntry {
-  std::string path;           ///< "planner.horizon", "rooms[2].name"
+  std::string path;           ///< "planner.dt", "rooms[2].name"
   std::string value;          ///< as YAML, numbers in their shortest exact form
   std::string default_value;  ///< as YAML; "" for a required entry
   std::string unit;           ///< "m", "m/s", "1" for a pure number, "" for text and switches
   std::string range;          ///< what it may be: "0 to 5", "free, blocked", "3 numbers, -5 to 5"
   std::string description;
-  bool from_file = false;  ///< or by StrictYaml::set()
-  bool set = false;        ///< by StrictYaml::set()
-  std::string where{};     ///< who tells it: "file:line", "--set key=value"; "": nobody
+  std::vector<std::string> words{};  ///< of a choice or switch: all that it may be
+  bool from_file = false;            ///< or by StrictYaml::set()
+  bool set = false;                  ///< by StrictYaml::set()
+  std::string where{};               ///< who tells it: "file:line", "--set key=value"; "": nobody
 };
 
 /// All entries as one YAML text, nested by path, each with `# description [unit]` and, where it
@@ -28,6 +30,21 @@ struct ConfigEntry {
 std::string effective_yaml(const std::vector<ConfigEntry>& entries);
 
 class StrictYaml;
+
+/// A value that stands above what a document says.
+struct YamlSetting {
+  /// "planner.weights.w_l=0": a scalar, a list or a mapping, as YAML on one line; `~`: the default.
+  YamlSetting(std::string key_and_value, std::string said_by = "")
+      : assignment(std::move(key_and_value)), where(std::move(said_by)) {}
+  YamlSetting(const char* key_and_value) : YamlSetting(std::string(key_and_value)) {}
+
+  std::string assignment;
+  std::string where;         ///< who says it, for messages; "": `--set ASSIGNMENT`
+  bool unless_told = false;  ///< below what the document says
+};
+
+/// A text of any characters as YAML on one line.
+std::string yaml_text(const std::string& text);
 
 /// A key or mapping of a document that has another name now, by their paths: "drive.odometry".
 struct RenamedKey {
@@ -137,7 +154,8 @@ class YamlMap {
   YamlValue value_of(const Node& node) const;
   std::string child_path(const std::string& key) const;
   void record(const std::string& key, const std::string& value, const std::string& default_value,
-              const std::string& unit, const std::string& range, const std::string& description);
+              const std::string& unit, const std::string& range, const std::string& description,
+              const std::vector<std::string>& words = {});
 
   State* state_;
   Node* node_;  ///< null: the file does not hold this mapping
@@ -164,12 +182,10 @@ class StrictYaml {
   StrictYaml& operator=(StrictYaml&&) noexcept;
   ~StrictYaml();
 
-  /// Puts a value, given as "planner.weights.w_l=0", in the place of what the document says at that
-  /// path, or adds it: a scalar, a list or a mapping, as YAML on one line. Before reading. Messages
-  /// about it name it as `--set planner.weights.w_l=0`; told_by: who says it, in the place of
-  /// `--set`. Throws InputError if it is none of that, or if the document has something else than
-  /// mappings on the way.
-  void set(const std::string& setting, const std::string& told_by = "--set");
+  /// Puts a value in the place of what the document says at that path, or adds it; of two for one
+  /// path the later counts. Before reading. Throws InputError if it is no value, or if the document
+  /// has something else than mappings on the way.
+  void set(const YamlSetting& setting);
 
   /// Takes out of the document what has another name now, and records a problem for each key of it
   /// by name: "simulator.mapping.core is perception.mapping.core now; expected that". Before

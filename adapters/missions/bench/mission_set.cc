@@ -3,7 +3,6 @@
 #include <cstdio>
 #include <memory>
 
-#include "adapters/formats/worlds/load_world.h"
 #include "adapters/missions/run/exploration_run.h"
 #include "adapters/missions/run/planned_problem.h"
 
@@ -59,8 +58,7 @@ bool capture_missions(const MissionSet& missions, const Configuration& configura
   const auto cancelled = [&] { return watch.cancelled && watch.cancelled(); };
   std::vector<std::shared_ptr<const World>> worlds;
   for (const std::string& name : missions.worlds) {
-    worlds.push_back(
-        std::make_shared<const World>(load_world(name, world_options_for(configuration))));
+    worlds.push_back(mission_world(name, configuration, ConfigurationUse::kExplore));
   }
   int taken = 0;
   for (const auto& world : worlds) {

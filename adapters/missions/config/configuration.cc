@@ -18,20 +18,19 @@
 #include "engine/task/zones.h"
 #include "models/make_model.h"
 #include "models/nearest_name.h"
+#include "models/range_text.h"
 #include "solvers/registry.h"
 
 namespace prospect {
 namespace {
 
-Eigen::Vector3d vector3(const std::vector<double>& v) { return {v[0], v[1], v[2]}; }
-
-StrictYaml with_settings(StrictYaml yaml, const std::vector<std::string>& settings) {
-  for (const std::string& setting : settings) yaml.set(setting);
+StrictYaml with_settings(StrictYaml yaml, const std::vector<YamlSetting>& settings) {
+  for (const YamlSetting& setting : settings) yaml.set(setting);
   return yaml;
 }
 
 /// A configuration file ("": none), with the settings above it.
-StrictYaml document(const std::string& path, const std::vector<std::string>& settings) {
+StrictYaml document(const std::string& path, const std::vector<YamlSetting>& settings) {
   return with_settings(
       path.empty() ? StrictYaml::from_text("", "defaults") : StrictYaml::from_file(path), settings);
 }
@@ -77,19 +76,72 @@ RobotShape read_shape(YamlMap map) {
   return shape;
 }
 
-CameraMount read_mount(YamlMap map) {
-  CameraMount mount;
-  const Eigen::Vector3d position = vector3(map.numbers("position", {0.0, 0.0, 0.45}, 3, -5.0, 5.0,
-                                                       "m", "optical centre in the body frame"));
-  const double yaw = map.number("yaw", 0.0, -180.0, 180.0, "deg", "turned from the body's x axis");
-  const double pitch =
-      map.number("pitch", 0.0, -90.0, 90.0, "deg", "optical axis below the horizontal");
-  const double roll = map.number("roll", 0.0, -180.0, 180.0, "deg",
-                                 "turned about the optical axis, clockwise as the camera looks");
-  mount.T_BC = CameraMount::forward_facing(position, yaw * kRadiansPerDegree,
-                                           pitch * kRadiansPerDegree, roll * kRadiansPerDegree);
-  return mount;
+/// A mount by the numbers of CameraMount::forward_facing().
+struct MountNumbers {
+  Eigen::Vector3d position{0.0, 0.0, 0.45};
+  MountAngles angles;
+
+  CameraMount mount() const {
+    return {CameraMount::forward_facing(position, angles.yaw, angles.pitch, angles.roll)};
+  }
+};
+
+void describe(Knobs& knobs, MountNumbers& mount) {
+  knobs.numbers("position", mount.position.data(), 3, {-5.0, 5.0}, "m",
+                "optical centre in the body frame");
+  knobs.degrees("yaw", mount.angles.yaw, {-180.0, 180.0}, "turned from the body's x axis");
+  knobs.degrees("pitch", mount.angles.pitch, {-90.0, 90.0}, "optical axis below the horizontal");
+  knobs.degrees("roll", mount.angles.roll, {-180.0, 180.0},
+                "turned about the optical axis, clockwise as the camera looks");
 }
+
+/// Notes what is described below a path in the entries, and makes it what a reader makes of them.
+class NotedKnobs final : public Knobs {
+ public:
+  NotedKnobs(std::string path, std::vector<ConfigEntry>& entries)
+      : path_(std::move(path)), entries_(entries) {}
+
+  void number(const char* name, double& value, Range, const char*, const char*) override {
+    entry(name).value = exact_text(value);
+  }
+  void degrees(const char* name, double& radians, Range, const char*) override {
+    std::string& text = entry(name).value;
+    double value = 0.0;
+    if (parse_number(text, value) && kRadiansPerDegree * value == radians) return;
+    value = radians / kRadiansPerDegree;
+    text = exact_text(value);
+    radians = kRadiansPerDegree * value;
+  }
+  void integer(const char* name, int& value, WholeRange, const char*, const char*) override {
+    entry(name).value = exact_text(value);
+  }
+  void boolean(const char* name, bool& value, const char*) override {
+    entry(name).value = value ? "true" : "false";
+  }
+  void numbers(const char* name, double* values, std::size_t count, Range, const char*,
+               const char*) override {
+    std::string list;
+    for (std::size_t n = 0; n < count; ++n) list += (n > 0 ? ", " : "") + exact_text(values[n]);
+    entry(name).value = "[" + list + "]";
+  }
+  void require(bool, const char*, const char*) override {}
+
+ private:
+  void word(const char* name, std::size_t& index, const std::vector<std::string>& words,
+            const char*) override {
+    entry(name).value = words.at(index);
+  }
+  void enter(const char* name) override { path_ += std::string(".") + name; }
+  void leave() override { path_.resize(path_.rfind('.')); }
+  ConfigEntry& entry(const char* name) {
+    const std::string path = path_ + "." + name;
+    return *std::find_if(entries_.begin(), entries_.end(),
+                         [&](const ConfigEntry& e) { return e.path == path; });
+  }
+
+  std::string path_;
+  std::vector<ConfigEntry>& entries_;
+};
 
 void read_robot(YamlMap map, Configuration& c) {
   const std::string name = map.choice("model", "unicycle", model_names(),
@@ -111,11 +163,11 @@ void read_robot(YamlMap map, Configuration& c) {
 
   YamlMap stereo = map.map("stereo");
   c.robot.stereo = read_knobs(stereo, c.robot.stereo);
-  c.robot.stereo_mount = read_mount(stereo.map("mount"));
+  c.robot.stereo_mount = read_knobs(stereo.map("mount"), MountNumbers()).mount();
 
   YamlMap depth = map.map("depth");
   c.robot.depth = read_knobs(depth, c.robot.depth);
-  c.robot.depth_mount = read_mount(depth.map("mount"));
+  c.robot.depth_mount = read_knobs(depth.map("mount"), MountNumbers()).mount();
 }
 
 /// A sensor that sees nothing of where the body drives is refused: the mission would be over at
@@ -193,11 +245,12 @@ void read_world(YamlMap map, WorldOptions& world) {
       world.floor = height;
     }
   }
-  world.voxel_size = map.number("resolution", 0.0, 0.01, 10.0, "m",
-                                "of its voxels; of an image without .yaml: of a pixel; 0: 0.1 m, "
-                                "of meshes 0.05 m");
-  world.unknown_is_free =
-      map.choice("unknown", "solid", {"solid", "free"}, "what its file does not know") == "free";
+  world.voxel_size =
+      map.number("resolution", 0.0, 0.01, 10.0, "m",
+                 "size of its voxels; of an image without .yaml: of a pixel; 0: 0.1 m, "
+                 "of meshes 0.05 m");
+  world.unknown_is_free = map.choice("unknown", "solid", {"solid", "free"},
+                                     "what the world's file does not know") == "free";
   world.ground_margin =
       map.number("ground", 0.0, 0.0, 1000.0, "m",
                  "how far ground without end counts beyond what stands on it; 0: as far as that");
@@ -206,7 +259,8 @@ void read_world(YamlMap map, WorldOptions& world) {
                  "of a mesh: the axis of its numbers that is up; file: as it says");
   if (up != "file") world.up = static_cast<UpAxis>(up[0] - 'x');
   const std::vector<double> start =
-      map.numbers("start", {}, -1, -kFarthest, kFarthest, "m, m, deg", "x, y, yaw; none: its own");
+      map.numbers("start", {}, -1, -kFarthest, kFarthest, "m, m, deg",
+                  "where the robot starts: x, y, yaw; none: as the world says");
   if (start.size() == 3) {
     world.start = Pose{{start[0], start[1], 0.0}, start[2] * M_PI / 180.0};  // as --start does
   } else if (!start.empty()) {
@@ -336,7 +390,8 @@ Configuration read(StrictYaml yaml, const Registries& registries, ConfigurationU
   if (root.problem_count() == 0) {
     share_robot(c);
     if (const std::string fault = task_problem(c); !fault.empty())
-      root.map("task").problem("", fault);
+      // "goal: is in ...": where the goal is told.
+      root.map("task").problem(fault.substr(0, fault.find(':')), fault.substr(fault.find(':') + 2));
     else if (const std::string unfit = planner_problem(c, registries); !unfit.empty())
       root.map("planner").problem("", unfit);
   }
@@ -368,25 +423,32 @@ std::string task_problem(const Configuration& configuration) {
   return wrong.empty() ? "" : wrong.front();
 }
 
-void override_entry(Configuration& configuration, const std::string& path,
-                    const std::string& value) {
-  for (ConfigEntry& entry : configuration.entries) {
-    if (entry.path == path) entry.value = value;
-  }
-}
-
-void set_robot(Configuration& configuration, const std::vector<std::string>& settings,
-               const std::string& told_by) {
-  std::vector<ConfigEntry> entries = configuration.entries;
-  std::erase_if(entries, [](const ConfigEntry& e) { return !e.path.starts_with("robot."); });
-  StrictYaml yaml = StrictYaml::from_text(effective_yaml(entries), told_by);
-  for (const std::string& setting : settings) yaml.set(setting, told_by);
+void set_cameras(Configuration& configuration, const RobotDescription& robot,
+                 const std::string& told_by) {
   Configuration told = configuration;
-  read_robot(yaml.root().map("robot"), told);
-  if (yaml.root().problem_count() == 0) check_sight(yaml.root().map("robot"), told);
-  yaml.finish();
+  const auto noted = [&](const std::string& path, auto numbers) {
+    try {
+      check_knobs(told_by + ": " + path, numbers);
+    } catch (const std::invalid_argument& e) {
+      throw InputError(e.what());
+    }
+    NotedKnobs knobs(path, told.entries);
+    describe(knobs, numbers);
+    return numbers;
+  };
+  // The angles of a mount are not unique: what is the same keeps those of the file.
+  const auto note_mount = [&](const std::string& path, const CameraMount& mount,
+                              CameraMount& before) {
+    if (mount.T_BC.matrix() == before.T_BC.matrix()) return;
+    before = noted(path, MountNumbers{mount.T_BC.translation(), angles(mount)}).mount();
+  };
+  told.robot.stereo = noted("robot.stereo", robot.stereo);
+  note_mount("robot.stereo.mount", robot.stereo_mount, told.robot.stereo_mount);
+  told.robot.depth = noted("robot.depth", robot.depth);
+  note_mount("robot.depth.mount", robot.depth_mount, told.robot.depth_mount);
+  const std::string blind = sight_problem(told.robot, told.perception.mapping.resolution);
+  if (!blind.empty()) throw InputError(told_by + ": robot.depth.mount.position: " + blind);
   share_robot(told);
-  for (const ConfigEntry& entry : yaml.entries()) override_entry(told, entry.path, entry.value);
   configuration = std::move(told);
 }
 
@@ -400,15 +462,15 @@ std::string solver_problem(const std::string& name, const SolverRegistry& solver
 }
 
 Configuration read_configuration(const std::string& path, const Registries& registries,
-                                 const std::vector<std::string>& settings, ConfigurationUse use) {
+                                 const std::vector<YamlSetting>& settings, ConfigurationUse use) {
   return read(document(path, settings), registries, use);
 }
 
-PerceptionOptions read_perception(const std::string& path, const std::vector<std::string>& settings,
+PerceptionOptions read_perception(const std::string& path, const std::vector<YamlSetting>& settings,
                                   const PerceptionOptions& defaults, ConfigurationUse use) {
-  for (const std::string& setting : settings) {
-    if (setting.starts_with("perception.")) continue;
-    throw InputError("--set " + setting +
+  for (const YamlSetting& setting : settings) {
+    if (setting.assignment.starts_with("perception.")) continue;
+    throw InputError("--set " + setting.assignment +
                      ": of a robot, not of a recording; expected a key of perception");
   }
   StrictYaml yaml = document(path, settings);
@@ -425,7 +487,7 @@ PerceptionOptions read_perception(const std::string& path, const std::vector<std
 
 Configuration configuration_from_text(const std::string& text, const std::string& source,
                                       const Registries& registries,
-                                      const std::vector<std::string>& settings) {
+                                      const std::vector<YamlSetting>& settings) {
   return read(with_settings(StrictYaml::from_text(text, source), settings), registries,
               ConfigurationUse::kAny);
 }

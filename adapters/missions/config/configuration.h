@@ -42,15 +42,14 @@ struct Configuration {
 };
 
 /// Reads a configuration file; an empty path gives the defaults. Its solver and its
-/// terms are some of `registries`.
-/// settings: "planner.weights.w_l=0", which stand above the file (StrictYaml::set).
+/// terms are some of `registries`. settings stand above the file, the later above the earlier.
 /// Throws InputError with every problem at once (file:line: what; expected what).
 ///
 /// The defaults of `perception` are those of a simulated robot (simulated_perception()) where
 /// simulator.sensors are cameras and nobody else's robot drives, else those of the structures.
 /// A key that the use does not read is refused (refuse_unread()).
 Configuration read_configuration(const std::string& path, const Registries& registries = {},
-                                 const std::vector<std::string>& settings = {},
+                                 const std::vector<YamlSetting>& settings = {},
                                  ConfigurationUse use = ConfigurationUse::kAny);
 
 /// What reads the keys of a configuration that is used so; of world and topics no more is known.
@@ -59,21 +58,15 @@ KeyReader key_reader(const Configuration& configuration, ConfigurationUse use);
 /// How a recording is perceived: `perception` of a configuration file and of settings, above
 /// `defaults`. What else the file holds is a robot's, and left; settings that the use does not read
 /// are refused. Throws InputError as read_configuration().
-PerceptionOptions read_perception(const std::string& path, const std::vector<std::string>& settings,
+PerceptionOptions read_perception(const std::string& path, const std::vector<YamlSetting>& settings,
                                   const PerceptionOptions& defaults, ConfigurationUse use);
 
-/// Notes in the entries that a value, given as YAML, was chosen elsewhere, as on the command line;
-/// what it stands for is to be set by who does so.
-void override_entry(Configuration& configuration, const std::string& path,
-                    const std::string& value);
-
-/// Takes values of `robot` ("robot.stereo.cx=319.5") from who knows the robot better than the file,
-/// above what it says. They are read as the file is, and noted in the entries: the robot is what a
-/// reader makes of the entries, to the bit. What the entries say of the robot was to be in effect.
-/// told_by: who that is, in messages. Throws InputError as read_configuration(); the configuration
-/// is as it was then.
-void set_robot(Configuration& configuration, const std::vector<std::string>& settings,
-               const std::string& told_by);
+/// Takes the cameras of `robot` and their mounts from who knows them better than the file, and
+/// notes them in the entries: the robot is what a reader makes of these, to the bit (angles of at
+/// most an ulp more or less). told_by: who that is, in messages. Throws InputError for values out
+/// of their range; the configuration is as it was then.
+void set_cameras(Configuration& configuration, const RobotDescription& robot,
+                 const std::string& told_by);
 
 /// "" if the robot of a sound configuration can be given its task, with these zones, else what is
 /// wrong: "goal: is in keep-out 1; expected ...".
@@ -86,6 +79,6 @@ std::string solver_problem(const std::string& name, const SolverRegistry& solver
 /// The same as read_configuration() from text; `source` stands for the file's name in messages.
 Configuration configuration_from_text(const std::string& text, const std::string& source,
                                       const Registries& registries = {},
-                                      const std::vector<std::string>& settings = {});
+                                      const std::vector<YamlSetting>& settings = {});
 
 }  // namespace prospect

@@ -1,5 +1,6 @@
 #include "adapters/missions/config/key_readers.h"
 
+#include <algorithm>
 #include <array>
 #include <string_view>
 
@@ -26,6 +27,10 @@ bool map_of_images(const KeyReader& r) {
 }
 bool map(const KeyReader& r) { return map_of_images(r) || r.use == Use::kMapScans; }
 bool own_accuracy(const KeyReader& r) { return r.use != Use::kMapStereo; }
+bool measured(const KeyReader& r) { return r.world && !topics(r); }
+bool own_stereo(const KeyReader& r) { return !topics(r); }
+bool own_principal_point(const KeyReader& r) { return !own_sensors(r); }
+bool own_view(const KeyReader& r) { return !(topics(r) && r.depth); }
 
 /// The keys at and below a path, who reads them, and what is said where nobody does. All rows of a
 /// key must hold.
@@ -47,7 +52,21 @@ constexpr std::string_view kCameras =
 constexpr std::string_view kPair =
     "the recording's stereo pair tells it; expected it of depth images or scans";
 
+constexpr std::string_view kTopics =
+    "the topics of the cameras tell it; expected it with another robot";
+
 constexpr std::array kRows = {
+    KeyRow{"robot.stereo.fx", own_stereo, kTopics, true},
+    KeyRow{"robot.stereo.fy", own_stereo, kTopics, true},
+    KeyRow{"robot.stereo.width", own_stereo, kTopics, true},
+    KeyRow{"robot.stereo.height", own_stereo, kTopics, true},
+    KeyRow{"robot.stereo.baseline", own_stereo, kTopics, true},
+    KeyRow{"robot.stereo.cx", own_principal_point,
+           "the cameras tell it, in Gazebo the middle; expected it with another robot", true},
+    KeyRow{"robot.stereo.cy", own_principal_point,
+           "the cameras tell it, in Gazebo the middle; expected it with another robot", true},
+    KeyRow{"robot.depth.horizontal_fov", own_view, kTopics, true},
+    KeyRow{"robot.depth.vertical_fov", own_view, kTopics, true},
     KeyRow{"drive", real_time, "of a mission in real time; expected it with prospect drive", true},
     KeyRow{"drive.simulator", [](const KeyReader& r) { return r.use == Use::kDriveSimulator; },
            "of the simulator's base; expected it with --base simulator", true},
@@ -59,8 +78,11 @@ constexpr std::array kRows = {
     KeyRow{"drive.inbox.scan_in_runtime_clock", topics, kStamps, true},
     KeyRow{"gazebo", [](const KeyReader& r) { return r.use == Use::kDriveGazebo; },
            "of a robot in Gazebo; expected it with prospect drive --base gazebo", true},
-    KeyRow{"world", [](const KeyReader& r) { return r.world && !topics(r); },
-           "no world is read; expected it with a simulated world", true},
+    KeyRow{"world", measured, "no world is read; expected it with a simulated world", true},
+    KeyRow{"world.start", [](const KeyReader& r) { return r.use != Use::kDriveGazebo; },
+           "the robot begins where it stands; expected it with a simulated world", true},
+    KeyRow{"mission.until", measured,
+           "nobody measures what was seen; expected --measure beside --base gazebo"},
     KeyRow{"simulator", [](const KeyReader& r) { return is_simulated(r.use); },
            "of the simulator; expected it with prospect explore, or --base simulator", true},
     KeyRow{"task.area", [](const KeyReader& r) { return r.task == TaskKind::kExplore; },
@@ -71,8 +93,8 @@ constexpr std::array kRows = {
     KeyRow{"simulator.features", modelled, kModel},
     KeyRow{"simulator.landmarks", modelled, kModel},
     // Of a mesh, the features that sensors as a model track are looked for in images of it.
-    KeyRow{"simulator.camera", [](const KeyReader& r) { return rendered(r) || r.textured; },
-           kRendered},
+    KeyRow{"simulator.camera",
+           [](const KeyReader& r) { return rendered(r) || r.textured.value_or(true); }, kRendered},
     KeyRow{"simulator.camera.texture_quality", rendered, kRendered},
     KeyRow{"simulator.camera.focal_error", rendered, kRendered},
     KeyRow{"simulator.camera.baseline_error", rendered, kRendered},
@@ -110,8 +132,61 @@ bool at_or_below(std::string_view key, std::string_view path) {
   return key.starts_with(path) && (key.size() == path.size() || key[path.size()] == '.');
 }
 
+/// What reads a few keys, and all that it reads; of export where the world has no textures of its
+/// own, too, how rich those are that it is given.
+constexpr std::array kReadByRelay = {
+    std::string_view("robot.model"),         std::string_view("robot.motion.v_min"),
+    std::string_view("robot.motion.v_max"),  std::string_view("robot.motion.vx_min"),
+    std::string_view("robot.motion.vx_max"), std::string_view("robot.motion.vy_max"),
+    std::string_view("robot.motion.vz_max"), std::string_view("robot.motion.omega_max"),
+    std::string_view("robot.motion.a_max"),  std::string_view("robot.motion.alpha_max")};
+constexpr std::array kReadByExport = {std::string_view("robot.model"),
+                                      std::string_view("robot.motion.fixed_z"),
+                                      std::string_view("robot.shape"),
+                                      std::string_view("robot.stereo.fx"),
+                                      std::string_view("robot.stereo.fy"),
+                                      std::string_view("robot.stereo.width"),
+                                      std::string_view("robot.stereo.height"),
+                                      std::string_view("robot.stereo.baseline"),
+                                      std::string_view("robot.stereo.mount"),
+                                      std::string_view("robot.depth.horizontal_fov"),
+                                      std::string_view("robot.depth.vertical_fov"),
+                                      std::string_view("robot.depth.mount"),
+                                      std::string_view("perception.mapping.resolution"),
+                                      std::string_view("world"),
+                                      std::string_view("task.kind"),
+                                      std::string_view("task.area"),
+                                      std::string_view("task.goal"),
+                                      std::string_view("gazebo.model"),
+                                      std::string_view("gazebo.link"),
+                                      std::string_view("gazebo.stereo"),
+                                      std::string_view("gazebo.depth"),
+                                      std::string_view("gazebo.left_wheel"),
+                                      std::string_view("gazebo.right_wheel"),
+                                      std::string_view("gazebo.depth_width"),
+                                      std::string_view("gazebo.wheel_radius"),
+                                      std::string_view("gazebo.wheel_separation")};
+constexpr std::string_view kTexture = "simulator.camera.texture_quality";
+
+constexpr KeyRow kNotOfRelay{
+    "", nullptr, "the relay reads how the robot may move; expected a key of robot.motion", true};
+constexpr KeyRow kNotOfExport{
+    "", nullptr, "nothing of the exported world or robot follows from it; expected a key that does",
+    true};
+constexpr KeyRow kToldElsewhere{
+    "", nullptr, "the topics' file tells it below command; expected it in one place", true};
+
 const KeyRow* refusing_row(std::string_view key, const KeyReader& reader) {
   if (reader.use == Use::kAny) return nullptr;
+  const auto among = [&](const auto& paths) {
+    return std::ranges::any_of(paths, [&](const auto& path) { return at_or_below(key, path); });
+  };
+  if (among(reader.told_elsewhere)) return &kToldElsewhere;
+  if (reader.use == Use::kRelay) return among(kReadByRelay) ? nullptr : &kNotOfRelay;
+  if (reader.use == Use::kExport) {
+    const bool painted = key == kTexture && !reader.textured.value_or(false);
+    return painted || among(kReadByExport) ? nullptr : &kNotOfExport;
+  }
   for (const KeyRow& row : kRows) {
     if (at_or_below(key, row.path) && !row.read(reader)) return &row;
   }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,8 @@ enum class ConfigurationUse {
   kDriveSimulator,  ///< the simulator in real time
   kDriveGazebo,
   kDriveDds,
+  kExport,     ///< a world and the robot for Gazebo
+  kRelay,      ///< the dead-man of a base behind topics
   kOdometry,   ///< of a recording
   kMapDepth,   ///< a recording of depth images
   kMapStereo,  ///< a recording of a stereo pair
@@ -33,9 +36,10 @@ struct KeyReader {
   Sensors sensors = Sensors::kModel;  ///< of the simulator
   bool wheels = true;                 ///< perception.wheels
   TaskKind task = TaskKind::kExplore;
-  bool textured = true;             ///< the world is a mesh with textures
-  bool world = true;                ///< a world is read
-  bool depth = true, scans = true;  ///< of a robot behind topics: what it maps from
+  std::optional<bool> textured{};             ///< the world is a mesh with textures
+  bool world = true;                          ///< a world is read
+  bool depth = true, scans = true;            ///< of a robot behind topics: what it maps from
+  std::vector<std::string> told_elsewhere{};  ///< keys that the topics' file stands above
 };
 
 /// "" if what a configuration is used for reads the key, else who does, and what is expected: "of a
@@ -44,7 +48,8 @@ std::string unread_because(const std::string& key, const KeyReader& reader);
 
 /// Throws InputError with each key that was told and that nothing reads: of settings, and of a file
 /// where it is not the default. In a file, what is by name of another command or robot (drive,
-/// gazebo, simulator, world) is left: one file may describe a robot for all its missions.
+/// gazebo, simulator, world; of export and relay all) is left: one file may describe a robot for
+/// all its missions.
 void refuse_unread(const std::vector<ConfigEntry>& entries, const KeyReader& reader);
 
 }  // namespace prospect

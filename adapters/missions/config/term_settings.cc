@@ -16,7 +16,8 @@ std::string key_of(const std::string& path) { return path.substr(path.rfind('.')
 std::vector<std::string> read_terms(YamlMap planner, const TermRegistry& registry,
                                     PlannerParameters& parameters) {
   std::vector<std::string> replaced;
-  YamlMap terms = planner.map("terms");
+  YamlMap terms =
+      planner.free_map("terms", "by name, with weight and options, see `prospect list terms`");
   YamlMap weights = planner.map("weights");
   for (const std::string& name : terms.keys()) {
     YamlMap settings = terms.map(name);

@@ -117,6 +117,18 @@ WorldOptions world_options_for(const Configuration& c) {
   return options;
 }
 
+std::shared_ptr<const World> mission_world(
+    const std::string& name, const Configuration& configuration, ConfigurationUse use,
+    const std::function<void(const std::string& what)>& progress) {
+  WorldOptions options = world_options_for(configuration);
+  options.progress = progress;
+  auto world = std::make_shared<const World>(load_world(name, options));
+  KeyReader reader = key_reader(configuration, use);
+  reader.textured = world->mesh != nullptr;
+  refuse_unread(configuration.entries, reader);
+  return world;
+}
+
 SimulatorOptions simulator_options_for(const Configuration& configuration, std::uint64_t seed) {
   SimulatorOptions options = configuration.simulator;
   options.seed = seed;

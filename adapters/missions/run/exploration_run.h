@@ -92,6 +92,11 @@ ReachableArea told_area(ReachableArea reachable, const Configuration& configurat
 
 /// How load_world() must look for a start that this configuration's robot can take.
 WorldOptions world_options_for(const Configuration& configuration);
+/// The world of a mission, as configured. Throws InputError as load_world(), and for keys that were
+/// told and that nothing reads in such a world (refuse_unread()).
+std::shared_ptr<const World> mission_world(
+    const std::string& name, const Configuration& configuration, ConfigurationUse use,
+    const std::function<void(const std::string& what)>& progress = {});
 
 /// The simulator's options for a mission with this seed, with the map it begins with. Throws
 /// InputError for a map that cannot be read or has another resolution.

@@ -102,7 +102,7 @@ MissionResult drive_if_fit(Driver& driver, const std::vector<CheckResult>& check
 }  // namespace
 
 void take_settings(const Robot& robot, Configuration& c) {
-  set_robot(c, robot.settings, robot.settings_of);
+  if (robot.description.model) set_cameras(c, robot.description, robot.described_by);
   check_drives(c);
 }
 

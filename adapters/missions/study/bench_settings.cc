@@ -23,10 +23,10 @@ std::string option_text(const OptionValue& value) {
 
 }  // namespace
 
-BenchSettings read_bench_settings(const std::vector<std::string>& settings,
+BenchSettings read_bench_settings(const std::vector<YamlSetting>& settings,
                                   const SolverRegistry& solvers) {
   StrictYaml yaml = StrictYaml::from_text("", "settings");
-  for (const std::string& setting : settings) yaml.set(setting);
+  for (const YamlSetting& setting : settings) yaml.set(setting);
   YamlMap root = yaml.root();
   BenchSettings read;
   read.solver = root.text("solver", read.solver, "back end, see `prospect list solvers`");

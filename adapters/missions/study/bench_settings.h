@@ -23,7 +23,7 @@ struct BenchSettings {
 
 /// From settings, "deadline=0.1", "options.candidates=200"; a later one stands above an earlier
 /// one. Throws InputError with every problem at once, `--set KEY=VALUE: what; expected what`.
-BenchSettings read_bench_settings(const std::vector<std::string>& settings,
+BenchSettings read_bench_settings(const std::vector<YamlSetting>& settings,
                                   const SolverRegistry& solvers);
 
 /// The arguments of `prospect bench`, with the word `bench` first, that solve such a cell into a

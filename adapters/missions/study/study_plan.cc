@@ -20,15 +20,6 @@
 namespace prospect {
 namespace {
 
-/// Messages about a setting stand where the study has it.
-std::string located(const std::string& line, const std::vector<StudySetting>& settings) {
-  for (const StudySetting& s : settings) {
-    const std::string as_set = "--set " + s.key + "=" + s.value + ": ";
-    if (line.starts_with(as_set)) return s.where + ": " + line.substr(as_set.size());
-  }
-  return line;
-}
-
 /// Messages about what is read for a line of the study.
 InputError located(const InputError& error, const std::string& where) {
   std::vector<std::string> lines;
@@ -153,22 +144,21 @@ std::vector<StudySetup> read_setups(const Study& study, const Registries& regist
       for (std::size_t a = 0; a < point.size(); ++a) {
         settings.push_back(study.grid[a].values[point[a]]);
       }
-      std::vector<std::string> texts;
-      for (const StudySetting& s : settings) texts.push_back(s.key + "=" + s.value);
+      std::vector<YamlSetting> above;
+      for (const StudySetting& s : settings) above.emplace_back(s.key + "=" + s.value, s.where);
       StudySetup& setup = setups.emplace_back();
       setup.condition = c;
       setup.values = point;
       try {
         if (study.kind == Study::Kind::kBenches) {
-          setup.bench = read_bench_settings(texts, registries.solvers);
+          setup.bench = read_bench_settings(above, registries.solvers);
         } else {
           setup.configuration =
-              read_configuration(study.base, registries, texts, ConfigurationUse::kExplore);
+              read_configuration(study.base, registries, above, ConfigurationUse::kExplore);
         }
       } catch (const InputError& error) {
         for (const std::string& line : error.lines()) {
-          const std::string at = located(line, settings);
-          if (told.insert(at).second) problems.push_back(at);
+          if (told.insert(line).second) problems.push_back(line);
         }
       }
     }

@@ -30,6 +30,7 @@
 #include "adapters/program/cli/absent_solver.h"
 #include "adapters/program/cli/commands.h"
 #include "adapters/program/cli/common_options.h"
+#include "adapters/program/cli/configuration_arguments.h"
 #include "adapters/program/cli/environment.h"
 #include "adapters/program/cli/interrupt.h"
 #include "adapters/program/cli/progress.h"
@@ -40,11 +41,10 @@ namespace {
 struct BenchArguments {
   /// Empty: all built-in ones; or "merge" or "compare" and the folders of benches.
   std::vector<std::string> sets;
-  std::string configuration;          ///< file, of the missions that are driven for a set
-  std::vector<std::string> settings;  ///< "planner.weights.w_l=0": above the file
-  std::vector<std::string> solvers;   ///< names, each followed by its options; empty: one of a kind
-  std::vector<double> deadlines;      ///< [s], 0: none; empty: as the help says
-  int repeats = 0;                    ///< 0: as the help says
+  ConfigurationArguments configuration;  ///< of the missions that are driven for a set
+  std::vector<std::string> solvers;  ///< names, each followed by its options; empty: one of a kind
+  std::vector<double> deadlines;     ///< [s], 0: none; empty: as the help says
+  int repeats = 0;                   ///< 0: as the help says
   int max_evaluations = 10000;
   std::vector<int> seeds;  ///< of the back ends; empty: 1
   double tolerance = 0.01;
@@ -126,10 +126,9 @@ void take_earlier(BenchTable& table, const std::string& folder) {
 std::vector<std::string> folders_of(const BenchArguments& arguments, bool compare) {
   const std::string call = "bench " + arguments.sets.front();
   const bool other = !arguments.solvers.empty() || !arguments.deadlines.empty() ||
-                     !arguments.seeds.empty() || !arguments.settings.empty() ||
-                     !arguments.configuration.empty() || !arguments.capture.empty() ||
-                     arguments.repeats > 0 || arguments.quick || arguments.keep_best ||
-                     arguments.resume ||
+                     !arguments.seeds.empty() || !arguments.configuration.empty() ||
+                     !arguments.capture.empty() || arguments.repeats > 0 || arguments.quick ||
+                     arguments.keep_best || arguments.resume ||
                      (compare && (!arguments.out.empty() || arguments.overwrite));
   if (other) {
     throw InputError(call + ": an option of a measurement; expected " +
@@ -205,8 +204,9 @@ int bench(const BenchArguments& arguments, const Registries& registries, SignalG
   if (!arguments.sets.empty() && arguments.sets.front() == "merge")
     return merge(arguments, signals);
   if (!arguments.sets.empty() && arguments.sets.front() == "compare") return compare(arguments);
-  const Configuration configuration = read_configuration(
-      arguments.configuration, registries, arguments.settings, ConfigurationUse::kExplore);
+  const Configuration configuration =
+      read_configuration(arguments.configuration.file, registries,
+                         arguments.configuration.settings(), ConfigurationUse::kExplore);
   if (!arguments.capture.empty()) {
     return capture(arguments, configuration, registries, signals);
   }
@@ -220,8 +220,8 @@ int bench(const BenchArguments& arguments, const Registries& registries, SignalG
   }
   std::vector<std::string> names = arguments.sets;
   if (names.empty()) names = builtin_set_names();
-  const bool configured = !arguments.configuration.empty() || !arguments.settings.empty();
-  if (configured && std::find(names.begin(), names.end(), "missions") == names.end()) {
+  if (!arguments.configuration.empty() &&
+      std::find(names.begin(), names.end(), "missions") == names.end()) {
     throw InputError(
         "--config and --set: of no effect on these sets; expected the set 'missions' among them");
   }
@@ -328,11 +328,7 @@ Command bench_command(CLI::App& program) {
                    "problem file, file of problems as expressions (.json) [all built-in sets]; "
                    "or `merge` or `compare` and the folders of benches")
       ->type_name("SET");
-  command
-      ->add_option("--config", arguments.configuration,
-                   "Configuration file (YAML) of the missions of the set missions")
-      ->type_name("FILE");
-  add_set(command, arguments.settings);
+  add_configuration(command, arguments.configuration, " of the missions of the set missions");
   command
       ->add_option("--solver", arguments.solvers,
                    "Back ends, separated by commas; NAME,OPTION=VALUE sets an option of one")

@@ -47,15 +47,6 @@ CLI::Validator whole_number_within(std::uint64_t min, std::uint64_t max) {
           ""};
 }
 
-void add_set(CLI::App* command, std::vector<std::string>& settings) {
-  command
-      ->add_option("--set", settings,
-                   "A value above the configuration file, such as planner.weights.w_l=0; may be "
-                   "given several times. Keys: `prospect config`")
-      ->type_name("KEY=VALUE")
-      ->allow_extra_args(false);
-}
-
 void add_topics(CLI::App* command, std::map<std::string, std::string>& topics,
                 const std::vector<std::string>& uses) {
   std::string list;
@@ -105,33 +96,6 @@ void add_fixed_frame(CLI::App* command, std::string& frame) {
           "Of a bag's TF, in which the sensor moves [map, else a topic of poses, else odom "
           "or what is above the sensor]")
       ->type_name("FRAME");
-}
-
-void add_world_options(CLI::App* command, WorldArguments& arguments) {
-  command->add_option("--start", arguments.start, "Start x [m] y [m] yaw [deg]")
-      ->expected(3)
-      ->check(number_within(-1e6, 1e6));
-  command
-      ->add_option("--floor", arguments.floor,
-                   "Storey of an octree, mesh or Gazebo world, by the height of its ground in the "
-                   "file [m] [the lowest large one]")
-      ->check(number_within(-1e5, 1e5));
-  command
-      ->add_option("--resolution", arguments.resolution,
-                   "Of the world's voxels [m]; of an image without .yaml: of a pixel [0.1; of "
-                   "meshes 0.05]")
-      ->check(number_within(0.01, 10.0));
-  one_of(command->add_option("--unknown", arguments.unknown,
-                             "What the world's file does not know: solid or free [solid]"),
-         {"solid", "free"});
-  one_of(command->add_option("--up", arguments.up,
-                             "Axis of a mesh's own numbers that is up [what the file says]"),
-         {"x", "y", "z"});
-  command
-      ->add_option("--ground", arguments.ground_margin,
-                   "How far the ground of a mesh or Gazebo world without end counts beyond what "
-                   "stands on it [m]")
-      ->check(number_within(0.0, 1000.0));
 }
 
 }  // namespace prospect

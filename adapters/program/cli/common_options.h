@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "adapters/formats/datasets/stereo_source.h"
-#include "adapters/program/cli/world_arguments.h"
 
 // Options, and what their values may be, that several commands share.
 namespace prospect {
@@ -18,7 +17,6 @@ CLI::Option* one_of(CLI::Option* option, const std::vector<std::string>& choices
 CLI::Validator number_within(double min, double max);
 /// A whole number in [min, max]: CLI11 wraps a negative one around.
 CLI::Validator whole_number_within(std::uint64_t min, std::uint64_t max);
-void add_set(CLI::App* command, std::vector<std::string>& settings);
 /// Topics of a bag as USE=TOPIC, separated by commas.
 void add_topics(CLI::App* command, std::map<std::string, std::string>& topics,
                 const std::vector<std::string>& uses);
@@ -26,7 +24,5 @@ void add_topics(CLI::App* command, std::map<std::string, std::string>& topics,
 void add_recording_options(CLI::App* command, StereoDatasetOptions& options);
 /// The frame of a bag in which poses are wanted.
 void add_fixed_frame(CLI::App* command, std::string& frame);
-/// How a world is read.
-void add_world_options(CLI::App* command, WorldArguments& arguments);
 
 }  // namespace prospect

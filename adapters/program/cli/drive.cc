@@ -20,21 +20,6 @@ struct DriveArguments {
   bool measure = false;             ///< Gazebo's truth measures, against mission.world
 };
 
-/// What is asked of the simulator's robot alone.
-void refuse_of_simulator(const DriveArguments& arguments) {
-  const ExploreArguments& mission = arguments.mission;
-  const auto refuse = [](bool asked, const char* option) {
-    if (asked) {
-      throw InputError(std::string(option) +
-                       ": it is of the simulator's robot; expected it with "
-                       "--base simulator");
-    }
-  };
-  refuse(!mission.sensors.empty(), "--sensors");
-  refuse(!mission.map.empty(), "--map");
-  refuse(!mission.reading.start.empty(), "--start");
-}
-
 int drive(const DriveArguments& arguments, const Invocation& in) {
   ExploreArguments logged = arguments.mission;
   logged.log = true;
@@ -48,7 +33,6 @@ int drive(const DriveArguments& arguments, const Invocation& in) {
     }
   }
   if (arguments.base == "dds") {
-    refuse_of_simulator(arguments);
     if (!faults.empty()) {
       throw InputError("--fault: nothing stands between; expected it with --base simulator|gazebo");
     }
@@ -68,11 +52,7 @@ int drive(const DriveArguments& arguments, const Invocation& in) {
   base.gazebo = arguments.base == "gazebo";
   base.measure = arguments.measure;
   base.real_time.emplace(RealTimeRun{faults});
-  if (base.gazebo) {
-    refuse_of_simulator(arguments);
-    return mission(logged, in.registries, base, in.signals);
-  }
-  if (arguments.measure) {
+  if (!base.gazebo && arguments.measure) {
     throw InputError("--measure: the simulator always measures; expected it with --base gazebo");
   }
   return mission(logged, in.registries, base, in.signals);

@@ -21,7 +21,6 @@
 #include "adapters/formats/files/parse_number.h"
 #include "adapters/formats/worlds/world_hash.h"
 #include "adapters/missions/config/configuration.h"
-#include "adapters/missions/config/solver_options.h"
 #include "adapters/missions/log/mission_log.h"
 #include "adapters/missions/run/configured_record.h"
 #include "adapters/missions/run/dds_run.h"
@@ -35,13 +34,14 @@
 #include "adapters/program/cli/common_options.h"
 #include "adapters/program/cli/interrupt.h"
 #include "adapters/program/cli/progress.h"
+#include "adapters/program/cli/shell_words.h"
+#include "adapters/program/cli/told_world.h"
 #include "adapters/robots/gazebo/master_uri.h"
 #include "adapters/robots/simulator/camera_rig.h"
 #include "adapters/views/live/live_server.h"
 #include "adapters/views/report/progress_line.h"
 #include "adapters/views/report/report.h"
 #include "engine/task/task.h"
-#include "models/range_text.h"
 #include "runtime/clock.h"
 #include "runtime/mission.h"
 
@@ -147,48 +147,6 @@ void tell_events(const std::vector<Event>& events) {
   }
 }
 
-/// "0.95": a share; "120m2": an area.
-void set_until(const std::string& until, Configuration& configuration) {
-  const bool area = until.size() > 2 && until.compare(until.size() - 2, 2, "m2") == 0;
-  double value = 0.0;
-  const std::string number = area ? until.substr(0, until.size() - 2) : until;
-  if (!parse_number(number, value) || !(value > 0.0) || !(value <= (area ? 1e9 : 1.0))) {
-    throw InputError("--until: '" + until +
-                     "'; expected a share of the reachable area, more than 0, up to 1, or an area "
-                     "such as 120m2");
-  }
-  configuration.until_coverage = area ? 0.0 : value;
-  configuration.until_area = area ? value : 0.0;
-  override_entry(configuration, "mission.until.coverage", exact_text(configuration.until_coverage));
-  override_entry(configuration, "mission.until.area", exact_text(configuration.until_area));
-}
-
-/// What the command line says of the task.
-void set_task(const ExploreArguments& arguments, Configuration& configuration) {
-  if (!arguments.until.empty()) set_until(arguments.until, configuration);
-  if (arguments.back) {
-    configuration.mission.return_when_done = true;
-    override_entry(configuration, "mission.return_when_done", "true");
-  }
-  if (arguments.go.empty()) return;
-  Task& task = configuration.planner.task;
-  task.kind = TaskKind::kGoTo;
-  task.area.reset();
-  task.goal.position = {arguments.go[0], arguments.go[1]};
-  task.goal.yaw.reset();
-  std::string goal = exact_text(arguments.go[0]) + ", " + exact_text(arguments.go[1]);
-  if (arguments.go.size() == 3) {
-    task.goal.yaw = arguments.go[2] * M_PI / 180.0;
-    goal += ", " + exact_text(arguments.go[2]);
-  }
-  override_entry(configuration, "task.kind", "go");
-  override_entry(configuration, "task.area", "[]");
-  override_entry(configuration, "task.goal", "[" + goal + "]");
-  if (const std::string wrong = task_problem(configuration); !wrong.empty()) {
-    throw InputError("--go: " + wrong);
-  }
-}
-
 RunStart start_of(const ExploreArguments& arguments, const Configuration& configuration,
                   const std::string& name, const World* world, const MissionBase& base) {
   const BuildInfo build = build_info();
@@ -271,51 +229,33 @@ class SavedProblems final : public RunObserver {
   const std::uint64_t seed_;
 };
 
-/// Gazebo's master is where $GAZEBO_MASTER_URI says, unless the configuration tells it.
-void set_gazebo_address(Configuration& configuration) {
-  const char* const uri = std::getenv("GAZEBO_MASTER_URI");
-  if (uri == nullptr || *uri == '\0') return;
-  for (const ConfigEntry& entry : configuration.entries) {
-    if (entry.from_file && (entry.path == "gazebo.host" || entry.path == "gazebo.port")) return;
-  }
-  GazeboAddress& address = configuration.gazebo.address;
-  address = with_master_uri(address, uri);
-  override_entry(configuration, "gazebo.host", '"' + address.host + '"');
-  override_entry(configuration, "gazebo.port", std::to_string(address.port));
-}
-
 ConfigurationUse use_of(const MissionBase& base) {
   if (base.gazebo) return ConfigurationUse::kDriveGazebo;
   if (base.dds) return ConfigurationUse::kDriveDds;
   return base.real_time ? ConfigurationUse::kDriveSimulator : ConfigurationUse::kExplore;
 }
 
-/// The configuration with what the command line says above it.
+/// Where Gazebo's master is, as $GAZEBO_MASTER_URI says.
+std::vector<YamlSetting> gazebo_environment() {
+  const char* const uri = std::getenv("GAZEBO_MASTER_URI");
+  if (uri == nullptr || *uri == '\0') return {};
+  const GazeboAddress address = with_master_uri({}, uri);
+  std::vector<YamlSetting> settings = {"gazebo.host=" + yaml_text(address.host),
+                                       "gazebo.port=" + std::to_string(address.port)};
+  for (YamlSetting& setting : settings) {
+    setting.where = std::string("GAZEBO_MASTER_URI ") + uri;
+    setting.unless_told = true;
+  }
+  return settings;
+}
+
 Configuration configuration_of(const ExploreArguments& arguments, const Registries& registries,
                                const MissionBase& base) {
-  std::vector<std::string> settings = arguments.settings;
-  if (!arguments.sensors.empty()) settings.push_back("simulator.sensors=" + arguments.sensors);
-  Configuration configuration =
-      read_configuration(arguments.configuration, registries, settings, use_of(base));
-  if (!arguments.solver.empty()) {
-    configuration.solver = arguments.solver;
-    const std::string wrong = solver_problem(configuration.solver, registries.solvers);
-    if (!wrong.empty()) throw InputError("--solver: " + wrong);
-    const std::string refused = solver_options_problem(
-        *registries.solvers.make(configuration.solver), configuration.planner.solver_options);
-    if (!refused.empty()) throw InputError("--solver: planner.options: " + refused);
-    override_entry(configuration, "planner.solver", arguments.solver);
-  }
-  if (arguments.time_limit > 0.0) {
-    configuration.mission.time_limit = arguments.time_limit;
-    override_entry(configuration, "mission.time_limit", exact_text(arguments.time_limit));
-  }
-  set_task(arguments, configuration);
-  if (!arguments.map.empty()) {
-    configuration.map = arguments.map;
-    override_entry(configuration, "simulator.map", arguments.map);
-  }
-  return configuration;
+  std::vector<YamlSetting> settings;
+  if (base.gazebo) settings = gazebo_environment();
+  const std::vector<YamlSetting> given = arguments.configuration.settings();
+  settings.insert(settings.end(), given.begin(), given.end());
+  return read_configuration(arguments.configuration.file, registries, settings, use_of(base));
 }
 
 /// What has come of a mission; the files that were written are those of `folder`.
@@ -339,16 +279,9 @@ void tell_result(const ExploreArguments& arguments, const ExplorationRunResult& 
 
 int mission(const ExploreArguments& arguments, const Registries& registries,
             const MissionBase& base, SignalGuard& signals) {
-  Configuration configuration = configuration_of(arguments, registries, base);
+  const Configuration configuration = configuration_of(arguments, registries, base);
   if (tell_if_absent(configuration.solver, registries.solvers)) return kNotBuiltIn;
-  set_world(arguments.reading, configuration);
-  if (base.gazebo) set_gazebo_address(configuration);
   const bool unknown_world = base.dds || (base.gazebo && !base.measure);
-  if (unknown_world && (configuration.until_coverage > 0.0 || configuration.until_area > 0.0)) {
-    throw InputError(
-        "--until, mission.until: nobody measures what was seen; expected --measure beside --base "
-        "gazebo");
-  }
   KeyReader reader = key_reader(configuration, use_of(base));
   reader.world = !unknown_world;
   if (base.dds) {
@@ -358,11 +291,7 @@ int mission(const ExploreArguments& arguments, const Registries& registries,
   refuse_unread(configuration.entries, reader);
   Progress progress(arguments.quiet);
   std::shared_ptr<const World> world;
-  if (!unknown_world) {
-    world = loaded_world(arguments.world, configuration, progress);
-    reader.textured = world->mesh != nullptr;
-    refuse_unread(configuration.entries, reader);
-  }
+  if (!unknown_world) world = told_world(arguments.world, configuration, use_of(base), progress);
 
   ExplorationRunOptions options;
   options.seed = arguments.seed;
@@ -455,6 +384,44 @@ int explore(const ExploreArguments& arguments, const Invocation& in) {
   return mission(logged, in.registries, {}, in.signals);
 }
 
+/// "--go 2,3.5": task.kind, task.goal, and no area of an exploration.
+void add_go(CLI::App* command, ConfigurationArguments& arguments) {
+  command
+      ->add_option_function<std::vector<std::string>>(
+          "--go",
+          [&arguments](const std::vector<std::string>& words) {
+            const std::string where = "--go " + joined(words, ",");
+            arguments.spelled.emplace_back("task.kind=go", where);
+            arguments.spelled.emplace_back("task.goal=[" + joined(words, ", ") + "]", where);
+            arguments.spelled.emplace_back("task.area=~", where);
+          },
+          "Go to x [m],y [m], or x,y,yaw [deg], instead of exploring; keys task.kind, task.goal, "
+          "task.area")
+      ->type_name("NUMBER")
+      ->delimiter(',')
+      ->expected(2, 3)
+      ->allow_extra_args(false);
+}
+
+/// "--until 0.95": mission.until.coverage; "--until 120m2": mission.until.area.
+void add_until(CLI::App* command, ConfigurationArguments& arguments) {
+  command->add_option_function<std::string>(
+      "--until",
+      [&arguments](const std::string& until) {
+        const bool area = until.size() > 2 && until.ends_with("m2");
+        const std::string value = area ? until.substr(0, until.size() - 2) : until;
+        const std::string key = "mission.until.", where = "--until " + until;
+        double number = 0.0;
+        if (parse_number(value, number) && number == 0.0) {
+          throw InputError(where + ": nothing is enough; expected more than 0");
+        }
+        arguments.spelled.emplace_back(key + (area ? "area=" : "coverage=") + value, where);
+        arguments.spelled.emplace_back(key + (area ? "coverage" : "area") + "=~", where);
+      },
+      "What is enough: a share of the reachable area (0.95) or an area (120m2); keys "
+      "mission.until.coverage, mission.until.area");
+}
+
 }  // namespace
 
 void add_mission_options(CLI::App* command, ExploreArguments& arguments) {
@@ -465,15 +432,9 @@ void add_mission_options(CLI::App* command, ExploreArguments& arguments) {
                    ".dae .gltf .glb .stl .ply) or Gazebo world")
       ->type_name("WORLD")
       ->capture_default_str();
-  command->add_option("--config", arguments.configuration, "Configuration file (YAML)")
-      ->type_name("FILE");
-  add_set(command, arguments.settings);
-  command->add_option("--solver", arguments.solver, "Back end, see `prospect list solvers`")
-      ->type_name("SOLVER");
-  one_of(command->add_option("--sensors", arguments.sensors,
-                             "model: odometry as a model of its errors; camera: rendered "
-                             "images through perception"),
-         {"model", "camera"});
+  add_configuration(command, arguments.configuration);
+  add_key(command, arguments.configuration, {"--solver", "planner.solver", "SOLVER"});
+  add_key(command, arguments.configuration, {"--sensors", "simulator.sensors"});
   command->add_option("--seed", arguments.seed, "Seed of all noise")
       ->check(whole_number_within(0, std::numeric_limits<std::uint64_t>::max()))
       ->capture_default_str();
@@ -481,24 +442,12 @@ void add_mission_options(CLI::App* command, ExploreArguments& arguments) {
       ->type_name("DIR");
   command->add_flag("--overwrite", arguments.overwrite,
                     "Write over a drive in that folder, which nothing can repeat");
-  command->add_option("--time-limit", arguments.time_limit, "Of the robot's clock [s]")
-      ->check(number_within(1.0, 1e6));
-  add_world_options(command, arguments.reading);
-  command
-      ->add_option("--go", arguments.go,
-                   "Go to x [m],y [m], or x,y,yaw [deg], instead of exploring")
-      ->delimiter(',')
-      ->expected(2, 3)
-      ->allow_extra_args(false)
-      ->check(number_within(-1e5, 1e5));
-  command->add_option("--until", arguments.until,
-                      "What is enough: a share of the reachable area (0.95) or an area "
-                      "(120m2)");
-  command->add_flag("--return", arguments.back, "Back to the start once the task is over");
-  command
-      ->add_option("--map", arguments.map,
-                   "OctoMap (.bt .ot) of the same world to begin with, such as the map.bt of a run")
-      ->type_name("FILE");
+  add_key(command, arguments.configuration, {"--time-limit", "mission.time_limit"});
+  add_world_keys(command, arguments.configuration);
+  add_go(command, arguments.configuration);
+  add_until(command, arguments.configuration);
+  add_key(command, arguments.configuration, {"--return", "mission.return_when_done"});
+  add_key(command, arguments.configuration, {"--map", "simulator.map", "FILE"});
   command
       ->add_option("--save-problems", arguments.save_problems,
                    "Write the planning problem of every Nth step into the run folder")

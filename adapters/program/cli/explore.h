@@ -7,7 +7,7 @@
 
 #include "adapters/missions/config/registries.h"
 #include "adapters/missions/run/exploration_run.h"
-#include "adapters/program/cli/world_arguments.h"
+#include "adapters/program/cli/configuration_arguments.h"
 #include "adapters/robots/dds/dds_options.h"
 
 namespace CLI {
@@ -20,19 +20,10 @@ class SignalGuard;
 
 struct ExploreArguments {
   std::string world = "office";
-  std::string configuration;          ///< file; empty: defaults
-  std::vector<std::string> settings;  ///< "planner.weights.w_l=0": above the file
-  std::string solver;                 ///< empty: as configured
-  std::string sensors;                ///< "model", "camera"; empty: as configured
+  ConfigurationArguments configuration;
   std::uint64_t seed = 1;
   std::string out;          ///< run folder; empty: runs/WORLD_SOLVER_SEED
   bool overwrite = false;   ///< also a drive that it holds
-  double time_limit = 0.0;  ///< [s]; 0: as configured
-  WorldArguments reading;
-  std::vector<double> go;   ///< x [m], y [m], and yaw [deg] if it matters; empty: as configured
-  std::string until;        ///< "0.95", "120m2"; empty: as configured
-  bool back = false;        ///< return to the start once the task is over
-  std::string map;          ///< OctoMap to begin with; empty: none
   bool log = false;         ///< mission.mcap in the run folder; drive always writes it
   bool log_images = false;  ///< with the cameras' images in it
   std::optional<int> live;  ///< port of the live view; none: there is none

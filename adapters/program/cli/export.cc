@@ -16,9 +16,10 @@
 #include "adapters/missions/run/exploration_run.h"
 #include "adapters/program/cli/commands.h"
 #include "adapters/program/cli/common_options.h"
+#include "adapters/program/cli/configuration_arguments.h"
 #include "adapters/program/cli/interrupt.h"
 #include "adapters/program/cli/progress.h"
-#include "adapters/program/cli/world_arguments.h"
+#include "adapters/program/cli/told_world.h"
 #include "adapters/robots/gazebo/gazebo_world_file.h"
 #include "adapters/robots/gazebo/robot_in_world.h"
 #include "adapters/robots/simulator/camera_sensors.h"
@@ -29,10 +30,8 @@ namespace {
 struct ExportArguments {
   std::string world = "office";
   std::string sdf;  ///< file
-  WorldArguments reading;
-  std::string configuration;          ///< file; empty: defaults
-  std::vector<std::string> settings;  ///< "robot.depth.max_range=6": above the file
-  std::uint64_t seed = 1;             ///< of the marks on surfaces, as in a mission
+  ConfigurationArguments configuration;
+  std::uint64_t seed = 1;  ///< of the marks on surfaces, as in a mission
 };
 
 namespace fs = std::filesystem;
@@ -81,10 +80,11 @@ int export_world(const ExportArguments& arguments, const Registries& registries,
                      "'; expected a file .sdf with a name without blanks and quotes");
   }
   Configuration configuration =
-      read_configuration(arguments.configuration, registries, arguments.settings);
-  set_world(arguments.reading, configuration);
+      read_configuration(arguments.configuration.file, registries,
+                         arguments.configuration.settings(), ConfigurationUse::kExport);
   Progress progress;
-  const std::shared_ptr<const World> world = loaded_world(arguments.world, configuration, progress);
+  const std::shared_ptr<const World> world =
+      told_world(arguments.world, configuration, ConfigurationUse::kExport, progress);
   progress.show("surfaces of " + arguments.world);
   configuration.simulator.seed = arguments.seed;
   const fs::path folder = sdf.has_parent_path() ? sdf.parent_path() : fs::path(".");
@@ -126,10 +126,8 @@ Command export_command(CLI::App& program) {
   command->add_option("--sdf", arguments.sdf, "File to write; others go beside it")
       ->type_name("FILE")
       ->required();
-  command->add_option("--config", arguments.configuration, "Configuration file (YAML)")
-      ->type_name("FILE");
-  add_set(command, arguments.settings);
-  add_world_options(command, arguments.reading);
+  add_configuration(command, arguments.configuration);
+  add_world_keys(command, arguments.configuration);
   command->add_option("--seed", arguments.seed, "Of the marks on surfaces")
       ->check(whole_number_within(0, std::numeric_limits<std::uint64_t>::max()))
       ->capture_default_str();

@@ -26,6 +26,7 @@
 #include "adapters/missions/recordings/stereo_depth_source.h"
 #include "adapters/program/cli/commands.h"
 #include "adapters/program/cli/common_options.h"
+#include "adapters/program/cli/configuration_arguments.h"
 #include "adapters/program/cli/interrupt.h"
 #include "adapters/program/cli/progress.h"
 #include "perception/odometry/stereo_odometry_options.h"
@@ -34,13 +35,11 @@ namespace prospect {
 namespace {
 
 struct MapArguments {
-  std::string dataset;                 ///< a recording
-  std::string configuration;           ///< file; empty: defaults
-  std::vector<std::string> settings;   ///< "perception.mapping.core=0.5": above the file
+  std::string dataset;  ///< a recording
+  ConfigurationArguments configuration;
   DepthDatasetOptions options;         ///< but for what is below
   StereoDatasetOptions stereo;         ///< calibration and topics also of depth images and scans
   std::string out;                     ///< folder for maps and tables; empty: none
-  std::optional<double> resolution;    ///< [m]; none: as configured
   std::optional<double> range;         ///< [m]; none: see the command line's help
   std::vector<double> camera;          ///< fx, fy, cx, cy [px]; empty: the recording's
   double camera_height = 0.0;          ///< [m]; 0: not known
@@ -375,9 +374,8 @@ MapInput scan_input(const MapArguments& arguments, const PerceptionOptions& perc
 PerceptionOptions perception_of(const MapArguments& arguments, ConfigurationUse use) {
   PerceptionOptions perception;
   perception.mapping.resolution = 0.05;
-  perception = read_perception(arguments.configuration, arguments.settings, perception, use);
-  if (arguments.resolution) perception.mapping.resolution = *arguments.resolution;
-  return perception;
+  return read_perception(arguments.configuration.file, arguments.configuration.settings(),
+                         perception, use);
 }
 
 int map(const MapArguments& arguments, SignalGuard& signals) {
@@ -509,13 +507,10 @@ Command map_command(CLI::App& program) {
       ->required();
   command->add_option("--out", arguments.out, "Folder for a page, the maps and tables [none]")
       ->type_name("DIR");
-  command
-      ->add_option("--config", arguments.configuration,
-                   "Configuration file (YAML); of it, perception")
-      ->type_name("FILE");
-  add_set(command, arguments.settings);
-  command->add_option("--resolution", arguments.resolution, "Of the maps [m] [0.05]")
-      ->check(number_within(0.01, 1.0));
+  add_configuration(command, arguments.configuration, "; of it, perception");
+  CLI::Option* resolution =
+      add_key(command, arguments.configuration, {"--resolution", "perception.mapping.resolution"});
+  resolution->description(resolution->get_description() + " [0.05]");
   command
       ->add_option("--range", arguments.range,
                    "Farther away nothing is learned [m] [of depth images 4, of a stereo pair where "

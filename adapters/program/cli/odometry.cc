@@ -21,6 +21,7 @@
 #include "adapters/missions/recordings/recording_range.h"
 #include "adapters/program/cli/commands.h"
 #include "adapters/program/cli/common_options.h"
+#include "adapters/program/cli/configuration_arguments.h"
 #include "adapters/program/cli/interrupt.h"
 #include "adapters/program/cli/progress.h"
 
@@ -28,9 +29,8 @@ namespace prospect {
 namespace {
 
 struct OdometryArguments {
-  std::string dataset;                ///< a recording
-  std::string configuration;          ///< file; empty: defaults
-  std::vector<std::string> settings;  ///< "perception.odometry.max_misses=1": above the file
+  std::string dataset;  ///< a recording
+  ConfigurationArguments configuration;
   StereoDatasetOptions options;
   std::string out;  ///< folder for trajectories and tables; empty: none
   int first = 0;    ///< frame to begin with
@@ -150,7 +150,8 @@ void print(const OdometrySummary& s, bool truth) {
 
 int odometry(const OdometryArguments& arguments, SignalGuard& signals) {
   const StereoOdometryOptions options =
-      read_perception(arguments.configuration, arguments.settings, {}, ConfigurationUse::kOdometry)
+      read_perception(arguments.configuration.file, arguments.configuration.settings(), {},
+                      ConfigurationUse::kOdometry)
           .odometry;
   Progress progress(arguments.quiet);
   progress.show("reading " + arguments.dataset);
@@ -257,11 +258,7 @@ Command odometry_command(CLI::App& program) {
           "with a calibration; see `prospect inspect`")
       ->type_name("FILE")
       ->required();
-  command
-      ->add_option("--config", arguments.configuration,
-                   "Configuration file (YAML); of it, perception")
-      ->type_name("FILE");
-  add_set(command, arguments.settings);
+  add_configuration(command, arguments.configuration, "; of it, perception");
   add_recording_options(command, arguments.options);
   add_topics(command, arguments.options.topics,
              {"left", "right", "left_info", "right_info", "truth"});

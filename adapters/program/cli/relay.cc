@@ -1,3 +1,4 @@
+#include <initializer_list>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -7,7 +8,7 @@
 #include "adapters/formats/files/parse_number.h"
 #include "adapters/missions/config/configuration.h"
 #include "adapters/program/cli/commands.h"
-#include "adapters/program/cli/common_options.h"
+#include "adapters/program/cli/configuration_arguments.h"
 #include "adapters/program/cli/interrupt.h"
 #include "adapters/robots/dds/dds_relay.h"
 #include "models/range_text.h"
@@ -18,13 +19,24 @@ namespace prospect {
 namespace {
 
 struct RelayArguments {
-  std::string ros;                    ///< file of topics
-  std::string configuration;          ///< file: the robot's motion; empty: defaults
-  std::vector<std::string> settings;  ///< "robot.motion.a_max=0.5": above the file
+  std::string ros;                       ///< file of topics
+  ConfigurationArguments configuration;  ///< the robot's motion
 };
 
-/// What the file of topics leaves out is that of the robot's motion.
+/// What the file of topics leaves out is that of the robot's motion. Throws InputError for keys
+/// that say nothing of that.
 void complete_limits(BaseLimits& limits, const Configuration& configuration) {
+  KeyReader reader{.use = ConfigurationUse::kRelay};
+  const auto told = [&](bool by_topics, std::initializer_list<const char*> keys) {
+    if (!by_topics) return;
+    for (const char* key : keys)
+      reader.told_elsewhere.push_back(std::string("robot.motion.") + key);
+  };
+  told(limits.speed.has_value(), {"v_min", "v_max", "vx_min", "vx_max", "vy_max", "vz_max"});
+  told(limits.yaw_rate.has_value(), {"omega_max"});
+  told(limits.acceleration.has_value(), {"a_max"});
+  told(limits.yaw_acceleration.has_value(), {"alpha_max"});
+  refuse_unread(configuration.entries, reader);
   const auto of_motion = [&](const char* key) -> std::optional<double> {
     double value = 0.0;
     for (const ConfigEntry& entry : configuration.entries) {
@@ -44,7 +56,8 @@ int relay(const RelayArguments& arguments, const Registries& registries, SignalG
   DdsOptions options = read_dds_options(arguments.ros);
   BaseLimits& limits = options.command.limits;
   complete_limits(limits,
-                  read_configuration(arguments.configuration, registries, arguments.settings));
+                  read_configuration(arguments.configuration.file, registries,
+                                     arguments.configuration.settings(), ConfigurationUse::kRelay));
   signals.note();  // the motors are told to stop
   // Before it starts threads, which pass commands on.
   const RealtimePriority first(DriverOptions().priority, RealtimePriority::Started::kLikewise);
@@ -69,12 +82,8 @@ Command relay_command(CLI::App& program) {
   command->add_option("--ros", arguments.ros, "The robot's topics (YAML)")
       ->type_name("FILE")
       ->required();
-  command
-      ->add_option("--config", arguments.configuration,
-                   "Configuration file (YAML): the limits of the robot's motion that the topics' "
-                   "file leaves out")
-      ->type_name("FILE");
-  add_set(command, arguments.settings);
+  add_configuration(command, arguments.configuration,
+                    ": the limits of the robot's motion that the topics' file leaves out");
   return {command,
           [given](const Invocation& in) { return relay(*given, in.registries, in.signals); }};
 }

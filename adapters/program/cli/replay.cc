@@ -20,16 +20,16 @@
 #include "adapters/formats/files/output_folder.h"
 #include "adapters/formats/files/whole_file.h"
 #include "adapters/formats/worlds/world_hash.h"
-#include "adapters/missions/config/solver_options.h"
 #include "adapters/missions/replay/drive_replay.h"
 #include "adapters/missions/replay/replay_page.h"
 #include "adapters/missions/run/exploration_run.h"
 #include "adapters/program/cli/absent_solver.h"
 #include "adapters/program/cli/commands.h"
 #include "adapters/program/cli/common_options.h"
+#include "adapters/program/cli/configuration_arguments.h"
 #include "adapters/program/cli/interrupt.h"
 #include "adapters/program/cli/progress.h"
-#include "adapters/program/cli/world_arguments.h"
+#include "adapters/program/cli/told_world.h"
 #include "models/range_text.h"
 
 namespace prospect {
@@ -37,12 +37,11 @@ namespace {
 
 struct ReplayArguments {
   static constexpr int kToTheEnd = 2147483647;
-  std::string run;                    ///< folder, or the log of a mission
-  std::vector<std::string> settings;  ///< "planner.N=12"
-  std::string solver;                 ///< empty: as recorded
-  std::string world;                  ///< empty: as recorded
-  int from = 0, to = kToTheEnd;       ///< planning steps
-  std::string out;                    ///< folder; empty: RUN/replay
+  std::string run;               ///< folder, or the log of a mission
+  ConfigurationArguments other;  ///< keys of the planner, above what was recorded
+  std::string world;             ///< empty: as recorded
+  int from = 0, to = kToTheEnd;  ///< planning steps
+  std::string out;               ///< folder; empty: RUN/replay
   bool quiet = false;
   std::vector<std::string> plugins;  ///< files, as given
   std::vector<std::string> program;  ///< words that start this program anew
@@ -75,7 +74,8 @@ class TemporaryFolder {
 /// The world of a run: as it was then, or refused.
 std::shared_ptr<const World> world_of(const RecordedRun& run, const std::string& source,
                                       const Configuration& configuration, Progress& progress) {
-  std::shared_ptr<const World> world = loaded_world(source, configuration, progress);
+  std::shared_ptr<const World> world =
+      told_world(source, configuration, ConfigurationUse::kAny, progress);
   const std::string hash = hash_text(world_hash(*world));
   if (!run.world_hash.empty() && run.world_hash != hash) {
     throw InputError(source + ": holds another world than that of " + run.source +
@@ -139,18 +139,13 @@ int replay_unchanged(const RecordedRun& run, const std::string& world,
 
 Configuration other_configuration(const RecordedRun& run, const ReplayArguments& arguments,
                                   const Registries& registries) {
-  std::vector<std::string> settings = arguments.settings;
-  for (const std::string& setting : settings) {
-    if (!setting.starts_with("planner.")) {
-      throw InputError("--set " + setting +
+  const std::vector<YamlSetting> settings = arguments.other.settings();
+  for (const YamlSetting& setting : settings) {
+    if (!setting.assignment.starts_with("planner.")) {
+      throw InputError("--set " + setting.assignment +
                        ": is not of the planner; expected planner.KEY=VALUE: world, robot and "
                        "sensors of a replay are those recorded");
     }
-  }
-  if (!arguments.solver.empty()) {
-    const std::string unknown = solver_problem(arguments.solver, registries.solvers);
-    if (!unknown.empty()) throw InputError("--solver: " + unknown);
-    settings.push_back("planner.solver=\"" + arguments.solver + "\"");
   }
   return configuration_from_text(run.configuration, run.source + ": configuration", registries,
                                  settings);
@@ -170,11 +165,8 @@ OutputFolder replay_folder(const RecordedRun& run, const ReplayArguments& argume
 void write_replay(const RecordedRun& run, const Replay& replay, const ReplayArguments& arguments,
                   OutputFolder& folder) {
   std::string changed;
-  for (const std::string& setting : arguments.settings) {
-    changed += (changed.empty() ? "" : ", ") + setting;
-  }
-  if (!arguments.solver.empty()) {
-    changed += (changed.empty() ? "solver " : ", solver ") + arguments.solver;
+  for (const YamlSetting& setting : arguments.other.settings()) {
+    changed += (changed.empty() ? "" : ", ") + setting.assignment;
   }
   if (changed.empty()) changed = "nothing changed";
   const auto write = [&](const char* name, const std::string& content) {
@@ -184,9 +176,8 @@ void write_replay(const RecordedRun& run, const Replay& replay, const ReplayArgu
     std::printf("%s\n", file.c_str());
   };
   write("replay.csv", replay_csv(replay));
-  write("replay.html",
-        replay_page(replay, run.world + ", seed " + std::to_string(run.seed), "recorded",
-                    arguments.solver.empty() ? "other" : arguments.solver, changed));
+  write("replay.html", replay_page(replay, run.world + ", seed " + std::to_string(run.seed),
+                                   "recorded", "other", changed));
   std::printf("%zu steps planned anew with %s: open loop, along the recorded beliefs\n",
               replay.steps.size(), changed.c_str());
 }
@@ -275,8 +266,8 @@ int replay(const ReplayArguments& arguments, const Invocation& in) {
   const RecordedRun run = read_recorded_run(arguments.run, in.registries);
   progress.finish();
   const std::string world = arguments.world.empty() ? run.world_source : arguments.world;
-  const bool unchanged = arguments.settings.empty() && arguments.solver.empty() &&
-                         arguments.from == 0 && arguments.to == ReplayArguments::kToTheEnd;
+  const bool unchanged =
+      arguments.other.empty() && arguments.from == 0 && arguments.to == ReplayArguments::kToTheEnd;
   if (run.real_time) return replay_drive(run, unchanged, arguments, in, progress);
   if (!unchanged) return replay_changed(run, world, arguments, in, progress);
   const Configuration configuration =
@@ -296,11 +287,8 @@ Command replay_command(CLI::App& program) {
   command->add_option("run", arguments.run, "Folder of a run, or the log of a mission (.mcap)")
       ->type_name("FILE")
       ->required();
-  add_set(command, arguments.settings);
-  command
-      ->add_option("--solver", arguments.solver,
-                   "Back end of the other plans, see `prospect list solvers`")
-      ->type_name("SOLVER");
+  add_set(command, arguments.other);
+  add_key(command, arguments.other, {"--solver", "planner.solver", "SOLVER"});
   command->add_option("--from", arguments.from, "First planning step that is reported [0]")
       ->check(whole_number_within(0, 1000000000));
   command->add_option("--to", arguments.to, "The last one, where the mission is ended [its end]")

@@ -20,20 +20,20 @@
 #include "adapters/missions/run/exploration_run.h"
 #include "adapters/program/cli/commands.h"
 #include "adapters/program/cli/common_options.h"
+#include "adapters/program/cli/configuration_arguments.h"
 #include "adapters/program/cli/interrupt.h"
 #include "adapters/program/cli/progress.h"
-#include "adapters/program/cli/world_arguments.h"
+#include "adapters/program/cli/told_world.h"
 #include "engine/planner/planner.h"
 
 namespace prospect {
 namespace {
 
 struct SolveArguments {
-  std::vector<std::string> problems;  ///< problem files, WORLD@STEP
-  std::string configuration;          ///< of the missions of WORLD@STEP
-  std::vector<std::string> settings;  ///< "planner.weights.w_l=0": above the file
-  std::vector<std::string> solvers;   ///< empty: one of each family
-  double deadline = 0.0;              ///< [s], 0: none
+  std::vector<std::string> problems;     ///< problem files, WORLD@STEP
+  ConfigurationArguments configuration;  ///< of the missions of WORLD@STEP
+  std::vector<std::string> solvers;      ///< empty: one of each family
+  double deadline = 0.0;                 ///< [s], 0: none
   int max_evaluations = 400;
   std::uint64_t seed = 1;
   bool json = false;
@@ -187,8 +187,9 @@ void print_table(const NamedProblem& named,
 }
 
 int solve(const SolveArguments& arguments, const Registries& registries, SignalGuard& signals) {
-  Configuration configuration = read_configuration(arguments.configuration, registries,
-                                                   arguments.settings, ConfigurationUse::kExplore);
+  const Configuration configuration =
+      read_configuration(arguments.configuration.file, registries,
+                         arguments.configuration.settings(), ConfigurationUse::kExplore);
   std::vector<std::string> names = arguments.solvers;
   if (names.empty()) names = {"ipopt", "nlopt:LD_SLSQP", "nlopt:LD_LBFGS", "sampling"};
   std::vector<std::shared_ptr<const Solver>> solvers;
@@ -207,11 +208,12 @@ int solve(const SolveArguments& arguments, const Registries& registries, SignalG
     problems.push_back(step < 0 ? load(text, registries.terms) : NamedProblem{text, nullptr, {}});
     captures.push_back({text, nullptr, step});
     if (step < 0) continue;
-    captures.back().world = loaded_world(text.substr(0, text.rfind('@')), configuration, progress);
+    captures.back().world = told_world(text.substr(0, text.rfind('@')), configuration,
+                                       ConfigurationUse::kExplore, progress);
   }
   const bool driven =
       std::any_of(captures.begin(), captures.end(), [](const Capture& c) { return c.step >= 0; });
-  if (!driven && !(arguments.configuration.empty() && arguments.settings.empty())) {
+  if (!driven && !arguments.configuration.empty()) {
     throw InputError(
         "--config and --set: of no effect on problem files; expected a WORLD@STEP among them");
   }
@@ -279,11 +281,7 @@ Command solve_command(CLI::App& program) {
                    "mission in WORLD meets at planning step STEP")
       ->type_name("PROBLEM")
       ->required();
-  command
-      ->add_option("--config", arguments.configuration,
-                   "Configuration file (YAML) of the mission of WORLD@STEP")
-      ->type_name("FILE");
-  add_set(command, arguments.settings);
+  add_configuration(command, arguments.configuration, " of the mission of WORLD@STEP");
   command->add_option("--solver", arguments.solvers, "Back ends, separated by commas")
       ->type_name("SOLVER")
       ->delimiter(',')

@@ -30,8 +30,8 @@ namespace prospect::python {
 namespace {
 
 /// "planner.weights.w_l=0", as the command line has it.
-std::vector<std::string> settings_of(const py::dict& given) {
-  std::vector<std::string> settings;
+std::vector<YamlSetting> settings_of(const py::dict& given) {
+  std::vector<YamlSetting> settings;
   for (const auto& [key, value] : given) {
     std::string text;
     if (py::isinstance<py::bool_>(value)) {
@@ -39,7 +39,7 @@ std::vector<std::string> settings_of(const py::dict& given) {
     } else {
       text = py::str(value);
     }
-    settings.push_back(std::string(py::str(key)) + "=" + text);
+    settings.emplace_back(std::string(py::str(key)) + "=" + text);
   }
   return settings;
 }

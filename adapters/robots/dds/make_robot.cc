@@ -3,12 +3,12 @@
 #include <memory>
 
 #include "adapters/formats/files/input_error.h"
-#include "adapters/robots/dds/camera_settings.h"
 #include "adapters/robots/dds/dds_base.h"
 #include "adapters/robots/dds/dds_node.h"
 #include "adapters/robots/dds/dds_publisher.h"
 #include "adapters/robots/dds/dds_sensors.h"
 #include "adapters/robots/dds/dds_transforms.h"
+#include "adapters/robots/dds/robot_with_cameras.h"
 
 namespace prospect {
 namespace {
@@ -48,8 +48,8 @@ Robot make_robot(const DdsRobotConfiguration& options) {
   robot.start.position.z() = options.robot.base_height();
   robot.made = parts->clock.now();
   robot.depth = cameras.depth;
-  robot.settings = camera_settings(cameras);
-  robot.settings_of = "the topics of the cameras:";
+  robot.description = robot_with(cameras, options.robot);
+  robot.described_by = "the topics of the cameras";
   robot.emergency_stop = parts->base.emergency_stop();
   robot.observers = {&parts->publisher};
   robot.link_faults = [parts] { return parts->node.faults(); };

@@ -30,13 +30,13 @@ void check(const GazeboOptions& options) {
   positive("wheel_separation", options.wheel_separation);
   positive("dead_man", options.dead_man);
   positive("period", options.period);
-  positive("address.timeout", options.address.timeout);
+  positive("timeout", options.address.timeout);
   named("model", options.model);
   named("link", options.link);
   named("left_wheel", options.left_wheel);
   named("right_wheel", options.right_wheel);
   if (options.address.port < 1 || options.address.port > 65535) {
-    lines.push_back("gazebo.address.port: " + std::to_string(options.address.port) +
+    lines.push_back("gazebo.port: " + std::to_string(options.address.port) +
                     "; expected 1 to 65535");
   }
   if (!lines.empty()) throw InputError(lines);

@@ -9,7 +9,6 @@
 #include <variant>
 
 #include "adapters/robots/gazebo/number_stream.h"
-#include "models/range_text.h"
 
 namespace prospect {
 namespace {
@@ -151,9 +150,11 @@ std::string gazebo_robot_model(const RobotDescription& robot, const GazeboRobotO
   return out.str();
 }
 
-std::vector<std::string> gazebo_camera_settings(const StereoCamera& stereo) {
-  return {"robot.stereo.cx=" + exact_text(0.5 * (stereo.left.width - 1.0)),
-          "robot.stereo.cy=" + exact_text(0.5 * (stereo.left.height - 1.0))};
+RobotDescription gazebo_robot(RobotDescription robot) {
+  PinholeCamera& left = robot.stereo.left;
+  left.cx = 0.5 * (left.width - 1.0);
+  left.cy = 0.5 * (left.height - 1.0);
+  return robot;
 }
 
 }  // namespace prospect

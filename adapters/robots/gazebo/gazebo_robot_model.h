@@ -1,7 +1,6 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include "adapters/robots/gazebo/gazebo_options.h"
 #include "models/camera.h"
@@ -30,8 +29,8 @@ struct GazeboRobotOptions {
 std::string gazebo_robot_model(const RobotDescription& robot, const GazeboRobotOptions& options,
                                const Pose& start);
 
-/// What Gazebo renders otherwise than the robot's cameras are described, as settings of the robot
-/// (set_robot()): the principal point at ((width - 1) / 2, (height - 1) / 2) [px].
-std::vector<std::string> gazebo_camera_settings(const StereoCamera& stereo);
+/// The robot as Gazebo renders its cameras: the principal point at
+/// ((width - 1) / 2, (height - 1) / 2) [px].
+RobotDescription gazebo_robot(RobotDescription robot);
 
 }  // namespace prospect

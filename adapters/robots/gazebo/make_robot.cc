@@ -88,8 +88,8 @@ Robot make_robot(const GazeboRobotConfiguration& options) {
   robot.made = parts->first.stamp;
   robot.simulated_time = true;
   robot.depth = depth_camera_of(options.robot, options.gazebo);
-  robot.settings = gazebo_camera_settings(options.robot.stereo);
-  robot.settings_of = "Gazebo's cameras:";
+  robot.description = gazebo_robot(options.robot);
+  robot.described_by = "Gazebo's cameras";
   robot.link_faults = [parts] { return parts->sensors.faults(); };
   if (const World* measured = options.measure.world.get()) {
     // What can be reached is reached from there.

@@ -91,7 +91,7 @@ CameraSensors::CameraSensors(const World& world, const SimulatorOptions& options
 }
 
 WheelSample CameraSensors::wheels(double stamp, const Pose& true_pose) {
-  const WheelErrors& errors = options_.wheels;
+  const WheelNoise& errors = options_.wheels;
   const double dt = stamp - wheel_stamp_;
   const double turn = std::remainder(true_pose.yaw - wheel_pose_.yaw, 2.0 * M_PI);
   // p' = p + dt sinc(turn / 2) R(yaw + turn / 2) v

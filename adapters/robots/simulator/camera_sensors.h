@@ -28,7 +28,7 @@ TexturedMesh seen_mesh(const World& world, const SimulatorOptions& options);
 /// through PerceptionPipeline. Nothing but the pose at the start is taken from the truth.
 ///
 /// Wheels say of every time between two images the mean velocity of the body in it, v and w, times
-/// scales drawn once, N(1, sigma_scale^2), plus noise of the variances that WheelErrors gives:
+/// scales drawn once, N(1, sigma_scale^2), plus noise of the variances that WheelNoise gives:
 /// (along^2 |v|, across^2 |v|) / dt and (turn^2 |w| + heading^2 |v|) / dt.
 ///
 /// Inputs arrive at once, so no depth image waits for a pose, but after leave_ranges(). A

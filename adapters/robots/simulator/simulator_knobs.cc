@@ -115,22 +115,9 @@ void describe(Knobs& knobs, CameraSensorsOptions& o) {
   describe(knobs, o.rig);
 }
 
-void describe(Knobs& knobs, WheelErrors& o) {
-  knobs.number("along", o.along, {0.0, 10.0}, "m/sqrt(m)", "error of the distance");
-  knobs.number("across", o.across, {0.0, 10.0}, "m/sqrt(m)", "error to the side");
-  knobs.number("turn", o.turn, {0.0, 10.0}, "rad/sqrt(rad)", "error of the heading from turning");
-  knobs.number("heading", o.heading, {0.0, 10.0}, "rad/sqrt(m)",
-               "error of the heading from driving");
-  knobs.number("sigma_scale", o.sigma_scale, {0.0, 10.0}, "1",
-               "error of the scales of speed and yaw rate, drawn once");
-}
-
-PerceptionOptions simulated_perception(const WheelErrors& wheels) {
+PerceptionOptions simulated_perception(const WheelNoise& wheels) {
   PerceptionOptions perception;
-  WheelFusionOptions& fusion = perception.wheel_fusion;
-  fusion.along = wheels.along, fusion.across = wheels.across;
-  fusion.turn = wheels.turn, fusion.heading = wheels.heading;
-  fusion.sigma_scale = wheels.sigma_scale;
+  perception.wheel_fusion.noise = wheels;
   perception.max_ahead = std::numeric_limits<double>::infinity();
   return perception;
 }

@@ -44,21 +44,14 @@ struct CameraSensorsOptions {
 /// The knobs (models/knobs.h).
 void describe(Knobs& knobs, CameraSensorsOptions& options);
 
-/// How the wheels of a robot with cameras really err, in the terms of WheelFusionOptions. By
-/// default as the reckoning in OdometryOptions does.
-struct WheelErrors {
-  double along = 0.02, across = 0.01;  ///< of the distance, to the side [m per sqrt(m)]
-  double turn = 0.01;                  ///< of the yaw, from turning [rad per sqrt(rad)]
-  double heading = 0.005;              ///< of the yaw, from driving [rad per sqrt(m)]
-  double sigma_scale = 0.01;           ///< of the scales of speed and yaw rate, drawn once [-]
-};
-
-/// The knobs (models/knobs.h).
-void describe(Knobs& knobs, WheelErrors& errors);
+/// How the wheels of a robot with cameras really err: as the reckoning in OdometryOptions does. The
+/// scales are drawn once.
+constexpr WheelNoise kSimulatedWheels{
+    .along = 0.02, .across = 0.01, .turn = 0.01, .heading = 0.005, .sigma_scale = 0.01};
 
 /// How a simulated robot perceives unless it is told otherwise: its fusion knows how the wheels
 /// err. Inputs come at once, so none waits for a pose (max_ahead).
-PerceptionOptions simulated_perception(const WheelErrors& wheels = {});
+PerceptionOptions simulated_perception(const WheelNoise& wheels = kSimulatedWheels);
 
 /// Everything a simulated mission depends on besides its world, the robot's perception and the
 /// commands.
@@ -80,7 +73,7 @@ struct SimulatorOptions {
 
   OdometryOptions odometry;
   LandmarkBuilderOptions landmarks;  ///< density is that of the robot's perception
-  WheelErrors wheels;
+  WheelNoise wheels = kSimulatedWheels;
 
   /// A map of the same world to begin with, in W (OccupancyMapper::load); null: none. What it knows
   /// counts as seen.

@@ -34,14 +34,14 @@ Vector3d between(const Vector3d& a, const Vector3d& b) {
 
 WheelFusionOptions with_scale(double sigma_scale) {
   WheelFusionOptions options;
-  options.sigma_scale = sigma_scale;
+  options.noise.sigma_scale = sigma_scale;
   return options;
 }
 
 struct Drive {
-  double scale = 1.0, turn_scale = 1.0;         ///< true over measured
-  WheelFusionOptions noise = with_scale(0.05);  ///< of the wheels, as the filter has it
-  Vector3d vision = {0.003, 0.003, 0.002};      ///< standard deviations of a visual motion
+  double scale = 1.0, turn_scale = 1.0;           ///< true over measured
+  WheelFusionOptions options = with_scale(0.05);  ///< of the wheels, as the filter has it
+  Vector3d vision = {0.003, 0.003, 0.002};        ///< standard deviations of a visual motion
   int frames_a_reference = 8;
   std::function<Vector2d(double)> command = [](double t) {
     return Vector2d(0.4 + 0.1 * std::sin(t), 0.5 * std::sin(0.7 * t));
@@ -72,11 +72,12 @@ void drive(const Drive& d, WheelFusion& fusion, double duration, unsigned seed,
     const Vector2d u = d.command(t);
     // The robot does what the wheels measure, but for scale and noise.
     const double way = std::abs(u[0]) * dt, turn = std::abs(u[1]) * dt;
-    Vector2d step(u[0] * dt + d.noise.along * std::sqrt(way) * normal(rng),
-                  d.noise.across * std::sqrt(way) * normal(rng));
-    const double turned = u[1] * dt + std::sqrt(d.noise.turn * d.noise.turn * turn +
-                                                d.noise.heading * d.noise.heading * way) *
-                                          normal(rng);
+    Vector2d step(u[0] * dt + d.options.noise.along * std::sqrt(way) * normal(rng),
+                  d.options.noise.across * std::sqrt(way) * normal(rng));
+    const double turned =
+        u[1] * dt + std::sqrt(d.options.noise.turn * d.options.noise.turn * turn +
+                              d.options.noise.heading * d.options.noise.heading * way) *
+                        normal(rng);
     truth.head<2>() += Eigen::Rotation2Dd(truth[2] + 0.5 * turned) * step;
     truth[2] += turned;
     WheelSample sample{t, {u[0] / d.scale, 0.0}, u[1] / d.turn_scale};
@@ -115,9 +116,9 @@ TEST(WheelFusion, ItsCovarianceIsHonest) {
     std::mt19937_64 rng(1000 + seed);
     std::normal_distribution<double> normal;
     Drive d;
-    d.scale = 1.0 + d.noise.sigma_scale * normal(rng);
-    d.turn_scale = 1.0 + d.noise.sigma_scale * normal(rng);
-    WheelFusion fusion(d.noise);
+    d.scale = 1.0 + d.options.noise.sigma_scale * normal(rng);
+    d.turn_scale = 1.0 + d.options.noise.sigma_scale * normal(rng);
+    WheelFusion fusion(d.options);
     Vector3d last;
     drive(d, fusion, 20.0, seed, [&](int, const Vector3d& truth) { last = truth; });
     const FusedOdometry fused = fusion.at(20.0);
@@ -127,7 +128,7 @@ TEST(WheelFusion, ItsCovarianceIsHonest) {
     sum += error.dot(fused.covariance.ldlt().solve(error)) / 3.0;
     scale += std::pow((fused.scale - d.scale) / fused.sigma_scale, 2);
     turn_scale += std::pow((fused.turn_scale - d.turn_scale) / fused.sigma_turn_scale, 2);
-    EXPECT_LT(fused.sigma_scale, 0.4 * d.noise.sigma_scale);
+    EXPECT_LT(fused.sigma_scale, 0.4 * d.options.noise.sigma_scale);
     ++n;
   }
   // chi^2_450 / 450 and chi^2_150 / 150; visual errors at references count twice at most.
@@ -144,14 +145,14 @@ TEST(WheelFusion, IsBetterThanEither) {
     Drive d;
     d.scale = 1.03;
     d.vision = {0.01, 0.01, 0.006};
-    WheelFusion both(d.noise), alone(d.noise);
+    WheelFusion both(d.options), alone(d.options);
     Vector3d last;
     drive(d, both, 20.0, seed, [&](int, const Vector3d& truth) { last = truth; });
     fused += std::pow(error_of(both.at(20.0), last), 2);
     // Vision alone: no samples, so that only what vision says fixes the pose.
     Drive blind = d;
     blind.slip = [](double, WheelSample& w) { w.stamp = kNaN; };
-    WheelFusion seen(d.noise);
+    WheelFusion seen(d.options);
     drive(blind, seen, 20.0, seed, [&](int, const Vector3d& truth) { last = truth; });
     vision += std::pow(error_of(seen.at(20.0), last), 2);
     Drive dark = d;
@@ -171,7 +172,7 @@ TEST(WheelFusion, CarriesARobotThroughALossOfVision) {
   d.meddle = [](int k, VisualMotion& v) {
     if (k >= 100 && k < 130) v.state = Localization::kLost;
   };
-  WheelFusion fusion(d.noise);
+  WheelFusion fusion(d.options);
   double worst = 0.0;
   drive(d, fusion, 16.0, 3, [&](int k, const Vector3d& truth) {
     const FusedOdometry fused = fusion.at(k * kFramePeriod);
@@ -190,7 +191,7 @@ TEST(WheelFusion, DeadReckoningForLongIsLost) {
   d.meddle = [](int k, VisualMotion& v) {
     if (k >= 20) v.state = Localization::kLost;
   };
-  WheelFusion fusion(d.noise);
+  WheelFusion fusion(d.options);
   int lost_at = -1;
   double error_at = 0.0;
   drive(d, fusion, 200.0, 4, [&](int k, const Vector3d& truth) {
@@ -218,7 +219,7 @@ TEST(WheelFusion, AfterLossesAMotionDoesNotMoveWhereTheRobotStarted) {
   int n = 0, frames = 0;
   for (unsigned seed = 1; seed <= 100; ++seed) {
     Drive d;
-    d.noise.sigma_scale = 0.01;
+    d.options.noise.sigma_scale = 0.01;
     // A map of 1 s, then 3 s in the dark, eight times; then vision for good.
     d.meddle = [](int k, VisualMotion& v) {
       const int within = k % 40;
@@ -226,7 +227,7 @@ TEST(WheelFusion, AfterLossesAMotionDoesNotMoveWhereTheRobotStarted) {
       if (within >= 10) v.state = Localization::kLost;
       if (within == 0) v.begins_map = v.becomes_reference = true;
     };
-    WheelFusion fusion(d.noise);
+    WheelFusion fusion(d.options);
     Vector3d last;
     drive(d, fusion, 60.0, seed, [&](int k, const Vector3d& truth) {
       const FusedOdometry fused = fusion.at(k * kFramePeriod);
@@ -257,7 +258,7 @@ TEST(WheelFusion, WheelsThatSpinAreFoundOut) {
   d.slip = [](double t, WheelSample& w) {
     if (t >= 3.0) w.velocity.x() = 0.4;
   };
-  WheelFusion fusion(d.noise);
+  WheelFusion fusion(d.options);
   int noticed = -1, slipped = -1;
   drive(d, fusion, 6.0, 5, [&](int k, const Vector3d& truth) {
     const FusedOdometry fused = fusion.at(k * kFramePeriod);
@@ -285,7 +286,7 @@ TEST(WheelFusion, DegradedVisionIsNotBelievedAgainstTheWheels) {
     v.state = Localization::kDegraded;
     v.motion.x() -= 0.05;
   };
-  WheelFusion fusion(d.noise);
+  WheelFusion fusion(d.options);
   drive(d, fusion, 6.0, 8, [&](int k, const Vector3d& truth) {
     const FusedOdometry fused = fusion.at(k * kFramePeriod);
     EXPECT_LT(error_of(fused, truth), 0.05) << k;
@@ -303,7 +304,7 @@ TEST(WheelFusion, AVisionOfAnotherScaleIsLost) {
     Drive d;
     d.scale = 1.02;
     d.meddle = [&](int, VisualMotion& v) { v.motion.head<2>() *= factor; };
-    WheelFusion fusion(d.noise);
+    WheelFusion fusion(d.options);
     double lost_after = -1.0, way = 0.0;
     Vector2d before = Vector2d::Zero();
     drive(d, fusion, 12.0, 7, [&](int k, const Vector3d& truth) {
@@ -335,7 +336,7 @@ TEST(WheelFusion, NoScaleIsBlamedWhileCamerasMayBeOutOfStep) {
       v.motion.head<2>() *= 1.3;
       v.scale_sigma = sigma;
     };
-    WheelFusion fusion(d.noise);
+    WheelFusion fusion(d.options);
     drive(d, fusion, 8.0, 7, [](int, const Vector3d&) {});
     const ScaleAgreement found = fusion.at(8.0).agreement;
     EXPECT_NEAR(found.ratio, 1.3, 0.06);
@@ -356,10 +357,10 @@ TEST(WheelFusion, AScaleWithinWhatWheelsMayBeOffByIsNoDisagreement) {
     std::mt19937_64 rng(900 + seed);
     std::normal_distribution<double> normal;
     // Poor vision; wheels that may be off by 5 %, and by 1 % as in the camera tier.
-    if (seed % 2 == 1) d.noise.sigma_scale = 0.01;
-    d.scale = 1.0 + d.noise.sigma_scale * std::clamp(normal(rng), -2.0, 2.0);
+    if (seed % 2 == 1) d.options.noise.sigma_scale = 0.01;
+    d.scale = 1.0 + d.options.noise.sigma_scale * std::clamp(normal(rng), -2.0, 2.0);
     d.vision = {0.01, 0.01, 0.006};
-    WheelFusion fusion(d.noise);
+    WheelFusion fusion(d.options);
     drive(d, fusion, 20.0, seed, [&](int k, const Vector3d&) {
       const ScaleAgreement agreement = fusion.at(k * kFramePeriod).agreement;
       EXPECT_NE(agreement.verdict, ScaleAgreement::Verdict::kDisagree)
@@ -380,7 +381,7 @@ TEST(WheelFusion, AJumpOfVisionIsNotTaken) {
       }
       if (twice && k == 51) v.covariance(0, 0) = kNaN;
     };
-    WheelFusion fusion(d.noise);
+    WheelFusion fusion(d.options);
     Vector3d before = Vector3d::Zero();
     drive(d, fusion, 8.0, 6, [&](int k, const Vector3d& truth) {
       const FusedOdometry fused = fusion.at(k * kFramePeriod);
@@ -413,7 +414,7 @@ TEST(WheelFusion, AReferenceThatIsNotTakenIsCountedFrom) {
     }
     if (k == 41) v.motion.head<2>() += Eigen::Rotation2Dd(-yaw) * Vector2d(0.0, -0.3);
   };
-  WheelFusion fusion(d.noise);
+  WheelFusion fusion(d.options);
   drive(d, fusion, 4.5, 7, [&](int k, const Vector3d& truth) {
     const FusedOdometry fused = fusion.at(k * kFramePeriod);
     if (k == 40) {
@@ -468,7 +469,7 @@ TEST(WheelFusion, WorksWithoutWheelsAndWithWheelsThatFallSilent) {
   d.slip = [](double t, WheelSample& w) {
     if (t > 4.0) w.stamp = kNaN;
   };
-  WheelFusion fusion(d.noise);
+  WheelFusion fusion(d.options);
   drive(d, fusion, 8.0, 8, [&](int k, const Vector3d& truth) {
     const FusedOdometry fused = fusion.at(k * kFramePeriod);
     EXPECT_LT(error_of(fused, truth), 0.06) << k;

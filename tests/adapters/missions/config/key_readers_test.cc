@@ -17,13 +17,17 @@
 #include "adapters/formats/files/not_built_in.h"
 #include "adapters/formats/files/parse_number.h"
 #include "adapters/missions/config/configuration.h"
+#include "adapters/missions/recordings/stereo_depth_source.h"
 #include "adapters/missions/run/exploration_run.h"
 #include "adapters/missions/run/live_mission.h"
 #include "adapters/missions/run/live_perception.h"
+#include "adapters/robots/dds/robot_with_cameras.h"
+#include "adapters/robots/gazebo/gazebo_robot_model.h"
 #include "adapters/robots/simulator/simulator.h"
 #include "models/knobs.h"
 #include "models/make_model.h"
 #include "models/range_text.h"
+#include "perception/odometry/stereo_odometry_options.h"
 #include "tests/adapters/box_room.h"
 
 // No key is without effect: whatever a configuration is used for, each key reaches what is built of
@@ -71,19 +75,27 @@ class Text final : public Knobs {
   void leave() override {}
 };
 
+void add_shape(Text& text, const RobotShape& any) {
+  text.add(any.index());
+  std::visit(
+      [&](const auto& shape) {
+        if constexpr (requires(Text & t, std::decay_t<decltype(shape)> s) { describe(t, s); }) {
+          text.add_all(shape);
+        } else if constexpr (requires { shape.spheres; }) {
+          for (const Sphere& sphere : shape.spheres) text.add_all(sphere);
+        } else {
+          for (const Eigen::Vector3d& vertex : shape.vertices) text.add(vertex.transpose());
+        }
+      },
+      any);
+}
+
 /// The robot, its planner and its task, which all missions have.
 void add_mission(Text& text, const Configuration& c) {
   ModelParameters motion = parameters_of(*c.robot.model);
   describe(text, c.robot.model->name(), motion);
   text.add(c.robot.model->name());
-  text.add(c.robot.shape.index());
-  std::visit(
-      [&](const auto& shape) {
-        if constexpr (requires(Text & t, std::decay_t<decltype(shape)> s) { describe(t, s); }) {
-          text.add_all(shape);
-        }
-      },
-      c.robot.shape);
+  add_shape(text, c.robot.shape);
   text.add_all(c.robot.stereo), text.add_mount(c.robot.stereo_mount);
   text.add_all(c.robot.depth), text.add_mount(c.robot.depth_mount);
   text.add(c.solver);
@@ -98,7 +110,11 @@ void add_mission(Text& text, const Configuration& c) {
     text.add(task.goal.position.transpose()), text.add(task.goal.yaw.value_or(NAN));
   }
   text.add(task.goal.position_tolerance), text.add(task.goal.yaw_tolerance);
-  text.add(c.planner.zones.bound ? c.planner.zones.bound->size() : 0);
+  const Zones& zones = c.planner.zones;
+  text.add(zones.bound ? zones.bound->size() : 0);
+  for (const Polygon& area : zones.keep_out) text.add(area.front().x());
+  for (const SpeedZone& zone : zones.slow)
+    text.add(zone.area.front().x()), text.add(zone.max_speed);
 }
 
 void add_world(Text& text, const Configuration& c) {
@@ -142,10 +158,48 @@ void add_simulator(Text& text, const Configuration& c) {
   text.add_all(o.camera), text.add_all(perception);
 }
 
-/// What a mission is made of.
-std::string built(const Configuration& c, Use use) {
+/// What is exported: the robot, its world, how rich the surfaces are that a world of voxels gets.
+void add_export(Text& text, const Configuration& c) {
+  GazeboRobotOptions options;
+  options.names = c.gazebo;
+  text.add(gazebo_robot_model(c.robot, options, Pose()));
+  add_world(text, c);
+  const WorldOptions world = world_options_for(c);
+  text.add(world.slice.z_max), text.add(world.slice.standing_clearance);
+  text.add(world.places.size());
+  for (const Eigen::Vector2d& place : world.places) text.add(place.transpose());
+  text.add(c.simulator.camera.texture_quality);
+}
+
+/// The limits that a relay completes.
+void add_relay(Text& text, const Configuration& c) {
+  text.add(c.robot.model->max_speed()), text.add(c.robot.model->max_yaw_rate());
+  for (const ConfigEntry& entry : c.entries) {
+    if (entry.path == "robot.motion.a_max" || entry.path == "robot.motion.alpha_max") {
+      text.add(entry.value);
+    }
+  }
+}
+
+/// As a robot behind topics or in Gazebo tells its cameras.
+RobotDescription as_told(const RobotDescription& robot, Use use) {
+  if (use == Use::kDriveGazebo) return gazebo_robot(robot);
+  DdsCameras cameras;
+  cameras.depth.emplace();
+  return robot_with(cameras, robot);
+}
+
+/// What is made of a configuration.
+std::string built(Configuration c, Use use) {
   Text text;
   text.text.precision(17);
+  if (use == Use::kRelay || use == Use::kExport) {
+    use == Use::kRelay ? add_relay(text, c) : add_export(text, c);
+    return text.text.str();
+  }
+  if (!is_simulated(use)) c.robot = as_told(c.robot, use);
+  if (use == Use::kDriveGazebo) c.world.start.reset();  // where it stands
+  if (use == Use::kDriveDds) c.until_coverage = c.until_area = 0.0;
   add_mission(text, c);
   if (is_simulated(use)) {
     add_simulator(text, c);
@@ -176,6 +230,8 @@ std::string built(const Configuration& c, Use use) {
 std::vector<std::string> other_values(const ConfigEntry& e) {
   static const std::map<std::string, std::vector<std::string>> told = {
       {"planner.solver", {"nlopt:LN_BOBYQA"}},
+      {"robot.motion.v_min", {"-3"}},
+      {"robot.motion.vx_min", {"-3"}},
       {"world.floor", {"1.5"}},
       {"world.start", {"[1, 2, 3]"}},
       {"task.area", {"[0, 0, 2, 0, 2, 2]"}},
@@ -208,15 +264,16 @@ std::vector<std::string> other_values(const ConfigEntry& e) {
   return values;
 }
 
-/// The configuration with another value of the key.
-Configuration with_another(const ConfigEntry& e, const std::vector<std::string>& settings,
-                           Use use) {
+/// What `read` makes of settings with another value of the key.
+template <typename Read>
+auto with_another(const ConfigEntry& e, std::vector<YamlSetting> settings, const Read& read)
+    -> decltype(read(settings)) {
   std::string last;
   for (const std::string& value : other_values(e)) {
-    std::vector<std::string> all = settings;
-    all.push_back(e.path + "=" + value);
+    std::vector<YamlSetting> all = settings;
+    all.emplace_back(e.path + "=" + value);
     try {
-      return read_configuration("", {}, all, use);
+      return read(all);
     } catch (const InputError& error) {
       last = error.what();
     }
@@ -225,16 +282,24 @@ Configuration with_another(const ConfigEntry& e, const std::vector<std::string>&
   return {};
 }
 
+auto reading(Use use) {
+  return [use](const std::vector<YamlSetting>& settings) {
+    return read_configuration("", {}, settings, use);
+  };
+}
+
 struct Kind {
   const char* name;
   Use use;
-  std::vector<std::string> settings;
+  std::vector<YamlSetting> settings;
   std::vector<std::string> keys;  ///< "": all; else those that begin so: the rest is as before
 };
 
 TEST(KeyReaders, EachKeyReachesWhatIsBuiltOrIsRefused) {
-  // The keys of planner.options are the back end's.
-  const std::set<std::string> left = {"planner.options"};
+  // Their keys are those of a back end and of terms.
+  const std::set<std::string> left = {"planner.options", "planner.terms"};
+  const std::vector<std::string> robots = {"robot.",      "drive.",     "gazebo.", "guard.",
+                                           "perception.", "simulator.", "world.",  "mission."};
   for (const Kind& kind : {
            Kind{"explore", Use::kExplore, {}, {""}},
            Kind{"explore by cameras",
@@ -247,15 +312,17 @@ TEST(KeyReaders, EachKeyReachesWhatIsBuiltOrIsRefused) {
                 {"simulator.wheels.", "perception.wheel_fusion."}},
            Kind{"explore an area", Use::kExplore, {"task.area=[0, 0, 5, 0, 5, 5]"}, {"task."}},
            Kind{"go", Use::kExplore, {"task.kind=go", "task.goal=[5, 5]"}, {"task."}},
+           Kind{"holonomic", Use::kExplore, {"robot.model=holonomic"}, {"robot."}},
+           Kind{"accelerations", Use::kExplore, {"robot.model=unicycle_accel"}, {"robot."}},
+           Kind{"multirotor", Use::kExplore, {"robot.model=multirotor"}, {"robot."}},
+           Kind{"box", Use::kExplore, {"robot.shape.type=box"}, {"robot."}},
            Kind{"drive", Use::kDriveSimulator, {}, {"drive."}},
-           Kind{"gazebo",
-                Use::kDriveGazebo,
-                {},
-                {"drive.", "gazebo.", "guard.", "perception.", "simulator.", "world."}},
-           Kind{"dds",
-                Use::kDriveDds,
-                {},
-                {"drive.", "gazebo.", "guard.", "perception.", "simulator.", "world."}},
+           Kind{"gazebo", Use::kDriveGazebo, {}, robots},
+           Kind{"dds", Use::kDriveDds, {}, robots},
+           Kind{"export", Use::kExport, {}, {""}},
+           Kind{"export of a box", Use::kExport, {"robot.shape.type=box"}, {"robot."}},
+           Kind{"relay", Use::kRelay, {}, {""}},
+           Kind{"relay of a holonomic base", Use::kRelay, {"robot.model=holonomic"}, {"robot."}},
        }) {
     SCOPED_TRACE(kind.name);
     const Configuration before = read_configuration("", {}, kind.settings, kind.use);
@@ -273,7 +340,7 @@ TEST(KeyReaders, EachKeyReachesWhatIsBuiltOrIsRefused) {
       const std::string unread = unread_because(e.path, key_reader(before, kind.use));
       if (unread.empty()) {
         ++reached;
-        EXPECT_NE(built(with_another(e, kind.settings, kind.use), kind.use), built_before)
+        EXPECT_NE(built(with_another(e, kind.settings, reading(kind.use)), kind.use), built_before)
             << "accepted, and without effect";
       } else {
         ++refused;
@@ -281,7 +348,7 @@ TEST(KeyReaders, EachKeyReachesWhatIsBuiltOrIsRefused) {
         if (e.path == "simulator.sensors") continue;  // perception's defaults follow it
         // To look at, it is as it was: that it would not have changed anything is why it is
         // refused.
-        EXPECT_EQ(built(with_another(e, kind.settings, Use::kAny), kind.use), built_before)
+        EXPECT_EQ(built(with_another(e, kind.settings, reading(Use::kAny)), kind.use), built_before)
             << "refused, but it would have an effect";
       }
     }
@@ -289,7 +356,84 @@ TEST(KeyReaders, EachKeyReachesWhatIsBuiltOrIsRefused) {
   }
 }
 
-std::vector<std::string> said(const std::string& yaml, const std::vector<std::string>& settings,
+/// What the perception of a recording is made of, as prospect odometry and map do.
+std::string perceived(const PerceptionOptions& perception, Use use) {
+  Text text;
+  text.text.precision(17);
+  if (use == Use::kOdometry) {
+    text.add_all(perception.odometry);
+  } else if (use == Use::kMapScans) {
+    text.add_all(perception.scan_mapping), text.add_all(perception.mapping);
+  } else {
+    DepthMapperOptions mapper = perception.depth_mapping;
+    mapper.map = perception.mapping;
+    if (use == Use::kMapStereo) {
+      set_stereo_accuracy({}, 4.0, mapper);
+      mapper.max_speed = StereoOdometryOptions().max_speed;
+    }
+    text.add_all(mapper), text.add_all(mapper.map);
+  }
+  return text.text.str();
+}
+
+TEST(KeyReaders, EachKeyReachesThePerceptionOfARecordingOrIsRefused) {
+  for (const Use use : {Use::kOdometry, Use::kMapDepth, Use::kMapStereo, Use::kMapScans}) {
+    SCOPED_TRACE(static_cast<int>(use));
+    const auto read = [&](const std::vector<YamlSetting>& settings) {
+      return read_perception("", settings, {}, use);
+    };
+    const std::string before = perceived({}, use);
+    int reached = 0;
+    for (const ConfigEntry& e : read_configuration("").entries) {
+      if (!e.path.starts_with("perception.")) continue;
+      SCOPED_TRACE(e.path);
+      if (unread_because(e.path, {.use = use}).empty()) {
+        ++reached;
+        EXPECT_NE(perceived(with_another(e, {}, read), use), before) << "accepted, without effect";
+      } else {
+        EXPECT_THROW(read({e.path + "=" + e.default_value}), InputError);
+        const PerceptionOptions other = with_another(e, {}, reading(Use::kAny)).perception;
+        EXPECT_EQ(perceived(other, use), before) << "refused, but it would have an effect";
+      }
+    }
+    EXPECT_GT(reached, 0);
+  }
+}
+
+// Lists are told whole.
+TEST(KeyReaders, EachKeyOfAListReachesWhatIsBuilt) {
+  const auto one = [](const std::string& setting) {
+    return built(read_configuration("", {}, {setting}, Use::kExplore), Use::kExplore);
+  };
+  const std::string sphere = "robot.shape={type: spheres, spheres: [{center: [0, 0, 0.3], ";
+  EXPECT_NE(one(sphere + "radius: 0.2}]}"), one(sphere + "radius: 0.21}]}"));
+  EXPECT_NE(one(sphere + "radius: 0.2}]}"),
+            one("robot.shape={type: spheres, spheres: [{center: [0, 0, 0.31], radius: 0.2}]}"));
+  const std::string corners = "robot.shape={type: convex, vertices: [0.2, 0, 0.1, -0.2, 0.1, 0.1, ";
+  EXPECT_NE(one(corners + "-0.2, -0.1, 0.1, 0, 0, 0.5]}"),
+            one(corners + "-0.2, -0.1, 0.1, 0, 0, 0.6]}"));
+  EXPECT_NE(one("zones.keep_out=[{area: [5, 5, 6, 5, 6, 6]}]"),
+            one("zones.keep_out=[{area: [5.1, 5, 6, 5, 6, 6]}]"));
+  EXPECT_NE(one("zones.slow=[{area: [5, 5, 6, 5, 6, 6], max_speed: 0.2}]"),
+            one("zones.slow=[{area: [5.1, 5, 6, 5, 6, 6], max_speed: 0.2}]"));
+  EXPECT_NE(one("zones.slow=[{area: [5, 5, 6, 5, 6, 6], max_speed: 0.2}]"),
+            one("zones.slow=[{area: [5, 5, 6, 5, 6, 6], max_speed: 0.3}]"));
+  const auto options = [](const std::string& setting) {
+    return read_configuration("", {}, {setting}).planner.solver_options.size();
+  };
+  EXPECT_EQ(options("planner.options={tolerance: 0.001}"), 1U);
+}
+
+// What the file of topics tells is not told by the robot's motion.
+TEST(KeyReaders, ARelayReadsTheLimitsThatTheTopicsLeaveOut) {
+  const std::vector<ConfigEntry> told =
+      read_configuration("", {}, {"robot.motion.a_max=0.5"}, Use::kRelay).entries;
+  EXPECT_NO_THROW(refuse_unread(told, {.use = Use::kRelay}));
+  EXPECT_THROW(refuse_unread(told, {.use = Use::kRelay, .told_elsewhere = {"robot.motion.a_max"}}),
+               InputError);
+}
+
+std::vector<std::string> said(const std::string& yaml, const std::vector<YamlSetting>& settings,
                               const KeyReader& reader) {
   try {
     refuse_unread(configuration_from_text(yaml, "f.yaml", {}, settings).entries, reader);
@@ -313,10 +457,10 @@ TEST(KeyReaders, AFileMayDescribeARobotForAllItsMissions) {
               ElementsAre("--set drive.replan_period=0.4: drive.replan_period: nothing reads it "
                           "here: of a mission in real time; expected it with prospect drive"));
   // What the world and the topics decide.
-  const std::vector<std::string> exposed = {"simulator.camera.exposure=2"};
+  const std::vector<YamlSetting> exposed = {"simulator.camera.exposure=2"};
   EXPECT_THAT(said("", exposed, {.use = Use::kExplore, .textured = true}), ElementsAre());
   EXPECT_EQ(said("", exposed, {.use = Use::kExplore, .textured = false}).size(), 1U);
-  const std::vector<std::string> spaced = {"perception.scan_mapping.point_spacing=1"};
+  const std::vector<YamlSetting> spaced = {"perception.scan_mapping.point_spacing=1"};
   EXPECT_THAT(said("", spaced, {.use = Use::kDriveDds, .scans = true}), ElementsAre());
   EXPECT_EQ(said("", spaced, {.use = Use::kDriveDds, .scans = false}).size(), 1U);
 }

@@ -355,12 +355,16 @@ TEST(KnobMembers, EveryNumberAndSwitchIsAKnob) {
     EXPECT_KNOBS(o, least, significance, least_samples);
   }
   {
+    WheelNoise o;
+    [[maybe_unused]] auto& [along, across, turn, heading, sigma_scale] = o;
+    EXPECT_KNOBS(o, along, across, turn, heading, sigma_scale);
+  }
+  {
     WheelFusionOptions o;
-    [[maybe_unused]] auto& [along, across, turn, heading, sigma_scale, scale_walk, gate, slips,
-                            max_wheel_gap, unknown_speed, max_wait, max_dead_reckoning, piece,
-                            pieces, agreement, start] = o;
-    EXPECT_KNOBS(o, along, across, turn, heading, sigma_scale, scale_walk, gate, slips,
-                 max_wheel_gap, unknown_speed, max_wait, max_dead_reckoning, piece, pieces);
+    [[maybe_unused]] auto& [noise, scale_walk, gate, slips, max_wheel_gap, unknown_speed, max_wait,
+                            max_dead_reckoning, piece, pieces, agreement, start] = o;
+    EXPECT_KNOBS(o, noise.along, scale_walk, gate, slips, max_wheel_gap, unknown_speed, max_wait,
+                 max_dead_reckoning, piece, pieces);
   }
   {
     GroundPlaneOptions o;
@@ -455,11 +459,6 @@ TEST(KnobMembers, EveryNumberAndSwitchIsAKnob) {
     CameraSensorsOptions o;
     [[maybe_unused]] auto& [rig, texture_quality, focal_error, baseline_error] = o;
     EXPECT_KNOBS(o, texture_quality, focal_error, baseline_error, rig.blur);
-  }
-  {
-    WheelErrors o;
-    [[maybe_unused]] auto& [along, across, turn, heading, sigma_scale] = o;
-    EXPECT_KNOBS(o, along, across, turn, heading, sigma_scale);
   }
   {
     SimulatorOptions o;

@@ -201,8 +201,8 @@ std::vector<Part> parts() {
   return all;
 }
 
-Configuration configuration_of(const Part& part, std::vector<std::string> further = {}) {
-  std::vector<std::string> settings = part.settings;
+Configuration configuration_of(const Part& part, const std::vector<std::string>& further = {}) {
+  std::vector<YamlSetting> settings(part.settings.begin(), part.settings.end());
   settings.insert(settings.end(), further.begin(), further.end());
   return read_configuration("", {}, settings);
 }
@@ -547,7 +547,7 @@ TEST(KnobTable, WithEachEndOfItsRangeAStepIsPlannedOrItIsRefused) {
 
 // Two that share arithmetic: the keys, the numbers, and what would fit.
 TEST(KnobTable, WhatDoesNotFitTogetherIsSaidWithItsNumbers) {
-  const auto said = [](std::vector<std::string> settings) {
+  const auto said = [](const std::vector<YamlSetting>& settings) {
     return refusal([&] { check_drives(read_configuration("", {}, settings)); });
   };
   EXPECT_THAT(said({"robot.depth.max_range=1000"}),

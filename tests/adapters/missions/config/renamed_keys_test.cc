@@ -17,7 +17,7 @@ using ::testing::ElementsAre;
 using ::testing::StartsWith;
 
 std::vector<std::string> refusals(const std::string& yaml,
-                                  const std::vector<std::string>& settings) {
+                                  const std::vector<YamlSetting>& settings) {
   try {
     configuration_from_text(yaml, "f.yaml", {}, settings);
   } catch (const InputError& e) {

@@ -1,22 +1,22 @@
-#include "adapters/robots/dds/camera_settings.h"
+#include "adapters/robots/dds/robot_with_cameras.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <string>
-#include <vector>
 
 #include "adapters/missions/config/configuration.h"
 #include "adapters/robots/gazebo/gazebo_robot_model.h"
 
-namespace prospect::camera_settings_test {
+namespace prospect::robot_with_cameras_test {
 namespace {
 
-/// A configuration with these settings of the robot, and what its config.yaml reads back as.
+/// A configuration whose robot is told otherwise, and what its config.yaml reads back as.
 struct Told {
-  explicit Told(const std::vector<std::string>& settings)
+  template <typename Tell>
+  explicit Told(const Tell& tell)
       : now(configuration_from_text("{robot: {stereo: {cx: 300, sigma_u: 0.7}}}", "f.yaml")) {
-    set_robot(now, settings, "the cameras:");
+    set_cameras(now, tell(now.robot), "the cameras");
     again = configuration_from_text(effective_yaml(now.entries), "config.yaml");
   }
   Configuration now, again;
@@ -43,8 +43,8 @@ DdsCameras cameras() {
   return out;
 }
 
-TEST(CameraSettings, WhatTopicsDoNotTellStays) {
-  const Told told(camera_settings(cameras()));
+TEST(RobotWithCameras, WhatTopicsDoNotTellStays) {
+  const Told told([](const RobotDescription& robot) { return robot_with(cameras(), robot); });
   const RobotDescription& robot = told.now.robot;
   const RobotDescription file = configuration_from_text("", "f.yaml").robot;
   EXPECT_EQ(robot.stereo.left.fx, 431.7021484375);
@@ -62,7 +62,7 @@ TEST(CameraSettings, WhatTopicsDoNotTellStays) {
 }
 
 // Mounts of tf have any attitude: level, tilted, upside down, straight down, backwards.
-TEST(CameraSettings, MountsAndTheDepthCameraReadBackAsTheyAre) {
+TEST(RobotWithCameras, MountsAndTheDepthCameraReadBackAsTheyAre) {
   for (const double pitch : {0.0, 0.35, -1.2, M_PI / 2.0, -M_PI / 2.0}) {
     for (const double yaw : {0.0, 1.1, -2.3, M_PI, -M_PI}) {
       for (const double roll : {0.0, 0.02, -1.7, M_PI, -M_PI}) {
@@ -70,7 +70,7 @@ TEST(CameraSettings, MountsAndTheDepthCameraReadBackAsTheyAre) {
         seen.depth = PinholeCamera{381.0, 382.0, 319.25, 241.0, 640.0, 480.0};
         seen.stereo_mount = {CameraMount::forward_facing({0.1, -0.06, 0.31}, yaw, pitch, roll)};
         seen.depth_mount = {CameraMount::forward_facing({0.1, 0.0, 1.0 / 3.0}, roll, pitch, yaw)};
-        const Told told(camera_settings(seen));
+        const Told told([&](const RobotDescription& robot) { return robot_with(seen, robot); });
         const RobotDescription& robot = told.now.robot;
         EXPECT_LE((robot.stereo_mount.T_BC.matrix() - seen.stereo_mount->T_BC.matrix()).norm(),
                   1e-14);
@@ -84,11 +84,12 @@ TEST(CameraSettings, MountsAndTheDepthCameraReadBackAsTheyAre) {
   }
 }
 
-TEST(CameraSettings, GazeboHasThePrincipalPointInTheMiddle) {
-  StereoCamera stereo;
-  stereo.left.width = 641.0;
-  stereo.left.height = 480.0;
-  const Told told(gazebo_camera_settings(stereo));
+TEST(RobotWithCameras, GazeboHasThePrincipalPointInTheMiddle) {
+  const Told told([](RobotDescription robot) {
+    robot.stereo.left.width = 641.0;
+    robot.stereo.left.height = 480.0;
+    return gazebo_robot(robot);
+  });
   EXPECT_EQ(told.now.robot.stereo.left.cx, 320.0);
   EXPECT_EQ(told.now.robot.stereo.left.cy, 239.5);
   EXPECT_EQ(told.now.robot.stereo.sigma_u, 0.7);
@@ -96,4 +97,4 @@ TEST(CameraSettings, GazeboHasThePrincipalPointInTheMiddle) {
 }
 
 }  // namespace
-}  // namespace prospect::camera_settings_test
+}  // namespace prospect::robot_with_cameras_test

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "adapters/formats/worlds/world.h"
+#include "adapters/missions/config/configuration.h"
+
+namespace prospect {
+
+class Progress;
+
+/// mission_world(), with progress while it is read, and one line on standard error of what its
+/// source holds besides, if anything.
+std::shared_ptr<const World> told_world(const std::string& name, const Configuration& configuration,
+                                        ConfigurationUse use, Progress& progress);
+
+}  // namespace prospect
