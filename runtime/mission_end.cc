@@ -11,11 +11,11 @@ using End = MissionEnd;
 
 constexpr std::array kMissionEnds = {
     MissionEndRow{End::kExplored, "explored",
-                  "No frontier is left that can be reached and promises anything.", Outcome::kDone},
+                  "No frontier is left that can be reached and would show anything.", Outcome::kDone},
     MissionEndRow{End::kYieldTooLow, "yield too low",
-                  "What is left and can be reached shows too little for the way.", Outcome::kDone},
+                  "What is left and can be reached shows too little for its path.", Outcome::kDone},
     MissionEndRow{End::kUnreachable, "unreachable",
-                  "Much is left, or all that was asked for, and no way leads there; or the robot "
+                  "Much is left, or all that was asked for, and no path leads there; or the robot "
                   "could not get away from its start.",
                   Outcome::kNotDone},
     MissionEndRow{End::kEnough, "enough seen", "As much was seen as `--until` asked for.",
@@ -30,9 +30,9 @@ constexpr std::array kMissionEnds = {
     MissionEndRow{End::kReturned, "returned", "It is back where it began, likewise.",
                   Outcome::kDone},
     MissionEndRow{End::kGoalUnreachable, "goal unreachable",
-                  "No way leads to the goal, or back to the start.", Outcome::kNotDone},
+                  "No path leads to the goal, or back to the start.", Outcome::kNotDone},
     MissionEndRow{End::kTimeLimit, "time limit",
-                  "Time was up, or was only just enough for the way back.", Outcome::kNotDone},
+                  "Time was up, or was only just enough for the path back.", Outcome::kNotDone},
     MissionEndRow{End::kLost, "localization lost", "Localization was lost and did not come back.",
                   Outcome::kFailed},
     MissionEndRow{End::kCancelled, "cancelled", "A signal or a person ended it.",

@@ -60,7 +60,7 @@ constexpr std::array kModeTable = {
     ModeRow{std::nullopt, "task: return; the start is reached, not lost",
             [](const Case& c) { return c.facts.task == TaskKind::kReturn && goal_reached(c); },
             Kind::kDone, Cause::kReturned},
-    ModeRow{std::nullopt, "no way has led to the goal of the task for look_around",
+    ModeRow{std::nullopt, "no path has led to the goal of the task for look_around",
             [](const Case& c) {
               return goal_unreachable(c) &&
                      c.facts.goal->unreachable_for >= c.options.look_around - kHair;
@@ -77,15 +77,15 @@ constexpr std::array kModeTable = {
             Cause::kUnreachable},
     ModeRow{std::nullopt,
             "exhausted for look_around; most places are cut off, or what is out of reach or was "
-            "given up on the way promises a quarter of what was seen",
+            "given up is expected to show a quarter of what was seen",
             [](const Case& c) {
               return exhausted(c) && (c.facts.frontiers->cut_off ||
                                       much(undecided(*c.facts.frontiers), *c.facts.frontiers));
             },
             Kind::kDone, Cause::kUnreachable},
     ModeRow{std::nullopt,
-            "exhausted for look_around; what can be reached shows too little, or looks that "
-            "promised a quarter of what was seen have failed",
+            "exhausted for look_around; what can be reached shows too little, or observations "
+            "that were expected to show a quarter of what was seen have failed",
             [](const Case& c) {
               return exhausted(c) && (c.facts.frontiers->low_yield.count > 0 ||
                                       much(c.facts.frontiers->failed.area, *c.facts.frontiers));
@@ -123,14 +123,14 @@ constexpr std::array kModeTable = {
                      c.facts.stamp < *c.facts.not_following_at + c.options.turn_away_time;
             },
             Kind::kTurnOnTheSpot, Cause::kNotFollowing},
-    ModeRow{std::nullopt, "exhausted: no frontier that can be reached is worth its way",
+    ModeRow{std::nullopt, "exhausted: no frontier that can be reached is worth its path",
             [](const Case& c) { return c.facts.frontiers && c.facts.frontiers->exhausted; },
             Kind::kLookAround, Cause::kNothingReachable},
     ModeRow{
         std::nullopt, "no progress for long, not lost",
         [](const Case& c) { return c.facts.frontiers && c.facts.frontiers->stalled && !lost(c); },
         Kind::kApproach, Cause::kNoProgress},
-    ModeRow{std::nullopt, "no way leads to the goal of the task",
+    ModeRow{std::nullopt, "no path leads to the goal of the task",
             [](const Case& c) { return goal_unreachable(c); }, Kind::kLookAround,
             Cause::kNothingReachable},
     ModeRow{std::nullopt, "the goal of the task is near, not lost",

@@ -14,11 +14,11 @@ constexpr std::array kSafetyLevelTable = {
     SafetyLevelRow{"localization lost, planner.lost_margin more than 0",
                    [](const Case& c) { return is_lost(c) && c.fixed_lost_margin; },
                    SafetyLevel::kLost},
-    SafetyLevelRow{"stuck, the way ahead is not narrow",
+    SafetyLevelRow{"stuck, the path ahead is not narrow",
                    [](const Case& c) { return c.facts.stuck && !is_narrow(c); },
                    SafetyLevel::kStuck},
     SafetyLevelRow{"localization lost", is_lost, SafetyLevel::kLost},
-    SafetyLevelRow{"the way ahead is narrow", is_narrow, SafetyLevel::kReduced},
+    SafetyLevelRow{"the path ahead is narrow", is_narrow, SafetyLevel::kReduced},
     SafetyLevelRow{"else", [](const Case&) { return true; }, SafetyLevel::kNormal},
 };
 

@@ -446,7 +446,7 @@ void describe(Knobs& knobs, CostToGoOptions& o) {
   knobs.number("window_radius", o.window_radius, {0.1, 100.0}, "m",
                "half side of the window around the robot that plans see of it");
   knobs.number("lambda", o.lambda, {0.0, 1000.0}, "1",
-               "price of ways on which no feature is seen; 0: none, as with w_l = 0");
+               "price of paths on which no feature is seen; 0: none, as with w_l = 0");
 }
 
 }  // namespace prospect

@@ -90,7 +90,7 @@ FrontierSequence best_sequence(const std::vector<FrontierCandidate>& candidates,
 
 void describe(Knobs& knobs, FrontierOrderOptions& o) {
   knobs.number("horizon", o.horizon, {0.1, 1e4}, "m",
-               "of way in which what is still to be seen loses a factor of e in worth");
+               "of path in which what is still to be seen loses a factor of e in utility");
   knobs.number("every_observation", o.every_observation, {0.0, 100.0}, "m2",
                "that a frontier counts besides its area");
   knobs.integer("candidates", o.candidates, {1, 10}, "1", "frontiers that are put in order");

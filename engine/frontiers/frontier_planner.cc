@@ -626,7 +626,7 @@ void describe(Knobs& knobs, FrontierPlannerOptions& o) {
 
 void describe_end(Knobs& knobs, FrontierPlannerOptions& o) {
   knobs.number("least_area", o.least_area, {0.0, 1e4}, "m2",
-               "a frontier that promises less is not gone to");
+               "a frontier expected to show less is not gone to");
   knobs.number("least_rate", o.least_rate, {0.0, 1e3}, "m2/s",
                "nor one that shows less for the time that it takes");
 }

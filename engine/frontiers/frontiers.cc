@@ -382,7 +382,7 @@ void describe(Knobs& knobs, FrontierOptions& o) {
                "a viewpoint stands this much within the sensor's range");
   knobs.integer("rays", o.rays, {8, 1000}, "1", "directions tried from each frontier cell");
   knobs.number("near_distance", o.near_distance, {0.0, 50.0}, "m",
-               "up to which a look from farther off is cheap");
+               "up to which an observation from farther off is cheap");
   knobs.number("near_slope", o.near_slope, {0.0, 1.0}, "1",
                "cost of a viewpoint per metre up to there; 1 beyond");
 }

@@ -22,7 +22,7 @@ void describe_random_walk(Knobs& knobs, OdometryNoise& o) {
 void describe(Knobs& knobs, OdometryNoise& o) {
   describe_random_walk(knobs, o);
   knobs.number("scale", o.scale, {0.0, 10.0}, "1",
-               "error of the scale, which is the same on the whole way");
+               "error of the scale, which is the same on the whole path");
 }
 
 }  // namespace prospect

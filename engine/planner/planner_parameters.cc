@@ -76,9 +76,9 @@ void describe(Knobs& knobs, PlannerParameters& p) {
   knobs.boolean("target_frontier_only", p.target_frontier_only,
                 "count gain only at the frontier that the cost-to-go leads to");
   knobs.number("goal_unknown_price", p.goal_unknown_price, {1.0, 1000.0}, "1",
-               "what a metre through unknown space counts as on the way to a goal");
+               "what a metre through unknown space counts as on the path to a goal");
   knobs.number("return_unknown_price", p.return_unknown_price, {1.0, 1000.0}, "1",
-               "the same on the way back to the start");
+               "the same on the path back to the start");
   knobs.group("visibility", [&] { describe_visibility(knobs, p); });
   knobs.group("recovery", [&] { describe(knobs, p.behaviour); });
   knobs.group("frontiers", [&] { describe(knobs, p.frontier_planner); });

@@ -32,12 +32,12 @@ void describe(Knobs& knobs, WheelFusionOptions& o) {
   knobs.number("max_wheel_gap", o.max_wheel_gap, {0.001, 1e3}, "s",
                "without a sample, after which nothing is known of the motion");
   knobs.number("unknown_speed", o.unknown_speed, {0.001, 100.0}, "m/sqrt(s)",
-               "of the way that the robot may make then, and rad/sqrt(s) of the turn");
+               "of the motion that the robot may make then, and rad/sqrt(s) of the turn");
   knobs.number("max_wait", o.max_wait, {0.001, 1e3}, "s", "that a visual frame may arrive late");
   knobs.number("max_dead_reckoning", o.max_dead_reckoning, {0.001, 1e6}, "m",
-               "deviation of the way made on wheels alone above which the robot is lost");
+               "deviation of the path made on wheels alone above which the robot is lost");
   knobs.number("piece", o.piece, {0.001, 1e3}, "m",
-               "of the way, over which lengths by vision and by wheels are compared");
+               "of the path, over which lengths by vision and by wheels are compared");
   knobs.integer("pieces", o.pieces, {1, 100000}, "1", "of them that are kept");
   knobs.group("agreement", [&] { describe(knobs, o.agreement); });
 }

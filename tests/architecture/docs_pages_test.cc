@@ -64,6 +64,14 @@ TEST(DocsPages, ReferenceAndTutorialsSayWhatIsInTheWordsOfTheField) {
   EXPECT_THAT(words_out_of_place(source()), IsEmpty());
 }
 
+// What comes in lets something go: results that a newer planner has, what another page says, too.
+TEST(DocsPages, ThePagesAreNoLongerThanAReaderActsOn) {
+  const DocsSize size = docs_size(source());
+  EXPECT_LE(size.all, 70000);
+  EXPECT_LE(size.results, 15000);
+  EXPECT_GT(size.results, 5000) << "they are not read";
+}
+
 TEST(DocsPages, TheArchitecturePageHasTheRoomsOfTheRulesInTheirOrder) {
   std::vector<std::string> rooms, exceptions;
   for (const auto& [room, rules] : architecture()) {
@@ -128,6 +136,14 @@ TEST(DocsPages, PagesThatTheIndexLacksAreFound) {
       .add("docs/results/b.md", "# B\n")
       .add("docs/results/c.md", "# C\n");
   EXPECT_THAT(pages_not_in_the_index(p.root()), ElementsAre("results/b.md", "results/c.md"));
+}
+
+TEST(DocsPages, WordsAreCounted) {
+  Project p;
+  p.add("docs/results/a.md", "# A\nthree words here\n")
+      .add("docs/reference/configuration.md", "a b c\n");
+  EXPECT_EQ(docs_size(p.root()).all, 3 + 2 + 5);
+  EXPECT_EQ(docs_size(p.root()).results, 5);
 }
 
 TEST(DocsPages, HistoryAndCoinedWordsAreFound) {

@@ -150,6 +150,34 @@ TEST(KeyNames, WhatTheTablesOfModesNameIsAKey) {
   }
 }
 
+// A key whose member nobody reads has no effect.
+TEST(KeyNames, EachMemberThatIsDescribedIsRead) {
+  static const std::regex described(R"(knobs\.\w+\(\s*"\w+",\s*(?:\w+\.)*(\w+))");
+  static const std::regex used(R"((?:\.|->|::)(\w+))");
+  std::set<std::string> members, read;
+  for (const char* top : {"models", "engine", "perception", "runtime", "adapters"}) {
+    for (const auto& entry : fs::recursive_directory_iterator(kRoot / top)) {
+      const std::string extension = entry.path().extension().string();
+      if (extension != ".h" && extension != ".cc") continue;
+      std::string text = text_of(entry.path());
+      for (std::size_t at; (at = text.find("\nvoid describe")) != std::string::npos;) {
+        std::size_t end = text.find_first_of("{;", at);  // of a declaration
+        if (text[end] == '{') end = text.find("\n}", at);
+        for (const std::string& member : matches(text.substr(at, end - at), described)) {
+          members.insert(member);
+        }
+        text.erase(at, end - at);
+      }
+      for (const std::string& member : matches(text, used)) read.insert(member);
+    }
+  }
+  std::vector<std::string> unread;
+  std::set_difference(members.begin(), members.end(), read.begin(), read.end(),
+                      std::back_inserter(unread));
+  EXPECT_THAT(unread, IsEmpty());
+  EXPECT_GT(members.size(), 300U);
+}
+
 TEST(KeyNames, WhatIsNoKeyIsFound) {
   EXPECT_THAT(no_keys("planner.recovery.time is planner.recovery.retreat_time"),
               ElementsAre("planner.recovery.time"));

@@ -84,7 +84,7 @@ refused "a Gazebo that is not there" 127.0.0.1:1 "expected" drive --base gazebo 
   --set gazebo.port=1 --out none
 GAZEBO_MASTER_URI=http://127.0.0.1:1/ refused "the Gazebo that the environment names" 127.0.0.1:1 "expected" drive \
   --base gazebo --out none
-GAZEBO_MASTER_URI=http://127.0.0.2:2 refused "a Gazebo that the configuration names" 127.0.0.1:1 "expected" drive \
+GAZEBO_MASTER_URI=http://127.0.0.2:2 refused "a port of Gazebo that the configuration names" 127.0.0.2:1 "expected" drive \
   --base gazebo --set gazebo.port=1 --out none
 GAZEBO_MASTER_URI=127.0.0.1:1 refused "an address of Gazebo that is none" GAZEBO_MASTER_URI "expected http://ADDRESS:PORT" \
   drive --base gazebo --out none
@@ -124,11 +124,11 @@ grep -q 'goal: \[2.5, 5.3, 90\]' task/config.yaml || fail "config.yaml does not 
 succeeds "on from a map" explore office --until 0.12 --map first/map.bt --quiet --out task
 grep -q 'map: first/map.bt' task/config.yaml || fail "config.yaml does not name the map"
 printf 'zones: {keep_out: [{area: [2, 5, 3, 5, 3, 6, 2, 6]}]}\n' >keep_out.yaml
-refused "a goal in a keep-out" --go: "is in zones.keep_out[0]; expected" "${explore[@]}" office \
+refused "a goal in a keep-out" "--go 2.5,5.3: task.goal:" "is in zones.keep_out[0]; expected" "${explore[@]}" office \
   --go 2.5,5.3 --config keep_out.yaml
 refused "a goal of one number" --go: "2" "${explore[@]}" office --go 2.5
-refused "more than all" --until: "'1.5'; expected a share" "${explore[@]}" office --until 1.5
-refused "an area of nothing" --until: "'0m2'; expected a share" "${explore[@]}" office --until 0m2
+refused "more than all" "--until 1.5: mission.until.coverage:" "'1.5'; expected a number from 0 to 1" "${explore[@]}" office --until 1.5
+refused "an area of nothing" "--until 0m2:" "expected more than 0" "${explore[@]}" office --until 0m2
 refused "a map that there is not" nothing.bt "no such file; expected" "${explore[@]}" office \
   --map nothing.bt
 printf 'perception: {mapping: {resolution: 0.05}}\n' >finer.yaml
@@ -197,6 +197,13 @@ if ((code != 3)); then  # 3: cameras are not built in
   refused "a lidar as a camera that is rendered" depth.horizontal_fov \
     "is 360; expected 1..170 degrees" "${explore[@]}" office --config lidar.yaml --sensors camera
 fi
+# A file may hold keys of other commands, a setting may not.
+for call in "relay --ros topics.yaml" "export corridor --sdf no.sdf"; do
+  # shellcheck disable=SC2086
+  refused "$call with a key of missions" "--set planner.N=12: planner.N: nothing reads it here" "; expected" $call --set planner.N=12
+done
+refused "a sensor of another robot" "--sensors camera: simulator.sensors: nothing reads it here" "--base simulator" \
+  drive --base gazebo --sensors camera --out run
 refused "missing configuration" no.yaml "no such file; expected" \
   "${explore[@]}" office --config no.yaml
 refused "directory as configuration" folder "is a directory; expected" config folder
@@ -208,14 +215,14 @@ refused "start inside a wall" "start (0, 0)" "expected a place" \
   "${explore[@]}" office --start 0 0 0
 refused "start outside the map" "start (1000, 0)" "expected a place" \
   "${explore[@]}" office --start 1000 0 0
-refused "start that is no number" --start: "expected a number" "${explore[@]}" office --start 1 nan 0
+refused "start that is no number" "--start 1 nan 0: world.start:" "expected a list of numbers" "${explore[@]}" office --start 1 nan 0
 refused "start with two numbers" --start: "3 required" "${explore[@]}" office --start 1 1
-refused "unknown solver" "--solver: unknown solver 'ipop'" "did you mean 'ipopt'?" \
+refused "unknown solver" "--solver ipop: planner.solver: unknown solver 'ipop'" "did you mean 'ipopt'?" \
   "${explore[@]}" office --solver ipop
 refused "negative seed" --seed: "'-1'; expected a whole number" "${explore[@]}" office --seed -1
-refused "time limit that is no number" --time-limit: "'nan'; expected a number from 1" \
+refused "time limit that is no number" "--time-limit nan: mission.time_limit:" "'nan'; expected a number from 1" \
   explore office --out run --time-limit nan
-refused "time limit out of range" --time-limit: "'0'; expected a number from 1" \
+refused "time limit out of range" "--time-limit 0: mission.time_limit:" "'0'; expected a number from 1" \
   explore office --out run --time-limit 0
 for every in 0 -1 2.5 x; do
   refused "--save-problems $every" --save-problems: "'$every'; expected a whole number from 1" \
@@ -278,8 +285,8 @@ refused "an unknown option of the back end" "planner.options.basin: hybrid: unkn
   "did you mean 'basins'?" config --set planner.solver=hybrid --set planner.options.basin=3
 refused "an option of the back end out of range" "planner.options.tolerance" "expected 0 to 1" \
   config --set planner.options.tolerance=2
-refused "options that another back end does not take" "--solver: planner.options:" "expected one of" \
-  "${explore[@]}" office --set planner.solver=hybrid --set planner.options.basins=3 --solver nlopt
+refused "options that another back end does not take" "--set planner.options.basins=3: planner.options.basins:" "expected one of" \
+  "${explore[@]}" office --set planner.options.basins=3 --solver nlopt
 timed_out "a run with a configuration" explore office --time-limit 1 --quiet --out with_own \
   --config own.yaml
 grep -q 'N: 24 ' with_own/config.yaml || fail "the run's config.yaml is not the one in effect"

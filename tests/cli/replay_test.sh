@@ -40,7 +40,7 @@ grep -qF "killed: 3 steps, the same bits; the mission was broken off there" out.
 
 # --- Planned anew.
 succeeds "other plans" replay mission --set planner.N=12 --solver sampling --from 2 --to 5 --quiet --out beside
-grep -qF "4 steps planned anew with planner.N=12, solver sampling: open loop" out.txt || fail "other plans: '$out'"
+grep -qF "4 steps planned anew with planner.solver=sampling, planner.N=12: open loop" out.txt || fail "other plans: '$out'"
 (($(wc -l <beside/replay.csv) == 5)) || fail "not a row a step: $(<beside/replay.csv)"
 head -n 1 beside/replay.csv | grep -q '^step,time,open_loop,recorded_cost,recorded_term_' || fail "columns: $(head -n 1 beside/replay.csv)"
 grep -q 'open loop' beside/replay.html || fail "the page does not say that it is open loop"

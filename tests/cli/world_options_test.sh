@@ -94,6 +94,6 @@ refused "--floor of an image" floor.pgm "expected no --floor" "${explore[@]}" fl
 refused "--resolution finer than a map" first/map.bt "expected a resolution of at least that" \
   "${explore[@]}" first/map.bt --resolution 0.02
 refused "--unknown of another kind" --unknown "expected one of: solid, free" "${explore[@]}" office --unknown blocked
-refused "--floor that is no number" --floor "'low'; expected a number" "${explore[@]}" office --floor low
+refused "--floor that is no number" --floor "'low'; expected lowest or a number" "${explore[@]}" office --floor low
 
 finish

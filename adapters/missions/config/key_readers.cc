@@ -30,7 +30,7 @@ bool own_accuracy(const KeyReader& r) { return r.use != Use::kMapStereo; }
 bool measured(const KeyReader& r) { return r.world && !topics(r); }
 bool own_stereo(const KeyReader& r) { return !topics(r); }
 bool own_principal_point(const KeyReader& r) { return !own_sensors(r); }
-bool own_view(const KeyReader& r) { return !(topics(r) && r.depth); }
+bool own_view(const KeyReader& r) { return !(topics(r) && r.depth.value_or(false)); }
 
 /// The keys at and below a path, who reads them, and what is said where nobody does. All rows of a
 /// key must hold.
@@ -113,7 +113,9 @@ constexpr std::array kRows = {
            "no map is made; expected it with prospect map"},
     KeyRow{"perception.mapping.offset_quadratic", own_accuracy, kPair},
     KeyRow{"perception.depth_mapping",
-           [](const KeyReader& r) { return (cameras(r) && r.depth) || map_of_images(r); },
+           [](const KeyReader& r) {
+             return (cameras(r) && r.depth.value_or(true)) || map_of_images(r);
+           },
            "of depth images; expected a robot or a recording with them"},
     KeyRow{"perception.depth_mapping.ground.noise_quadratic", own_accuracy, kPair},
     KeyRow{"perception.depth_mapping.max_speed", own_accuracy, kPair},
@@ -134,38 +136,35 @@ bool at_or_below(std::string_view key, std::string_view path) {
 
 /// What reads a few keys, and all that it reads; of export where the world has no textures of its
 /// own, too, how rich those are that it is given.
-constexpr std::array kReadByRelay = {
-    std::string_view("robot.model"),         std::string_view("robot.motion.v_min"),
-    std::string_view("robot.motion.v_max"),  std::string_view("robot.motion.vx_min"),
-    std::string_view("robot.motion.vx_max"), std::string_view("robot.motion.vy_max"),
-    std::string_view("robot.motion.vz_max"), std::string_view("robot.motion.omega_max"),
-    std::string_view("robot.motion.a_max"),  std::string_view("robot.motion.alpha_max")};
-constexpr std::array kReadByExport = {std::string_view("robot.model"),
-                                      std::string_view("robot.motion.fixed_z"),
-                                      std::string_view("robot.shape"),
-                                      std::string_view("robot.stereo.fx"),
-                                      std::string_view("robot.stereo.fy"),
-                                      std::string_view("robot.stereo.width"),
-                                      std::string_view("robot.stereo.height"),
-                                      std::string_view("robot.stereo.baseline"),
-                                      std::string_view("robot.stereo.mount"),
-                                      std::string_view("robot.depth.horizontal_fov"),
-                                      std::string_view("robot.depth.vertical_fov"),
-                                      std::string_view("robot.depth.mount"),
-                                      std::string_view("perception.mapping.resolution"),
-                                      std::string_view("world"),
-                                      std::string_view("task.kind"),
-                                      std::string_view("task.area"),
-                                      std::string_view("task.goal"),
-                                      std::string_view("gazebo.model"),
-                                      std::string_view("gazebo.link"),
-                                      std::string_view("gazebo.stereo"),
-                                      std::string_view("gazebo.depth"),
-                                      std::string_view("gazebo.left_wheel"),
-                                      std::string_view("gazebo.right_wheel"),
-                                      std::string_view("gazebo.depth_width"),
-                                      std::string_view("gazebo.wheel_radius"),
-                                      std::string_view("gazebo.wheel_separation")};
+constexpr std::string_view kReadByRelay[] = {
+    "robot.model",         "robot.motion.v_min",    "robot.motion.v_max",  "robot.motion.vx_min",
+    "robot.motion.vx_max", "robot.motion.vy_max",   "robot.motion.vz_max", "robot.motion.omega_max",
+    "robot.motion.a_max",  "robot.motion.alpha_max"};
+constexpr std::string_view kReadByExport[] = {"robot.motion.fixed_z",
+                                              "robot.shape",
+                                              "robot.stereo.fx",
+                                              "robot.stereo.fy",
+                                              "robot.stereo.width",
+                                              "robot.stereo.height",
+                                              "robot.stereo.baseline",
+                                              "robot.stereo.mount",
+                                              "robot.depth.horizontal_fov",
+                                              "robot.depth.vertical_fov",
+                                              "robot.depth.mount",
+                                              "perception.mapping.resolution",
+                                              "world",
+                                              "task.kind",
+                                              "task.area",
+                                              "task.goal",
+                                              "gazebo.model",
+                                              "gazebo.link",
+                                              "gazebo.stereo",
+                                              "gazebo.depth",
+                                              "gazebo.left_wheel",
+                                              "gazebo.right_wheel",
+                                              "gazebo.depth_width",
+                                              "gazebo.wheel_radius",
+                                              "gazebo.wheel_separation"};
 constexpr std::string_view kTexture = "simulator.camera.texture_quality";
 
 constexpr KeyRow kNotOfRelay{

@@ -38,7 +38,8 @@ struct KeyReader {
   TaskKind task = TaskKind::kExplore;
   std::optional<bool> textured{};             ///< the world is a mesh with textures
   bool world = true;                          ///< a world is read
-  bool depth = true, scans = true;            ///< of a robot behind topics: what it maps from
+  std::optional<bool> depth{};                ///< a robot behind topics has depth images
+  bool scans = true;                          ///< ... a lidar
   std::vector<std::string> told_elsewhere{};  ///< keys that the topics' file stands above
 };
 

@@ -15,7 +15,7 @@ namespace prospect {
 class Knobs;
 
 /// What of the features is tracked. The numbers are those of StereoOdometry, or were measured with
-/// it on marks rendered at the same places (docs/results/simulator.md, "One tier against the
+/// it on marks rendered at the same places (docs/results/simulator.md, "One fidelity against the
 /// other").
 struct FeatureCameraOptions {
   StereoCamera stereo;

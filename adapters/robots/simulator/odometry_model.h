@@ -21,7 +21,7 @@ struct OdometryOptions {
   double keyframe_angle = 0.15;     ///< [rad]
   /// Root-mean-square error of one keyframe at 200 well-spread points: horizontal position [m] and
   /// heading [rad]. Measured: medians of the odometry's error over 2 m while it is not lost
-  /// (docs/results/simulator.md, "One tier against the other").
+  /// (docs/results/simulator.md, "One fidelity against the other").
   double position_sigma = 0.0005;
   double heading_sigma = 0.00008;
   /// Tracked features: StereoOdometryOptions::lost_points and degraded_points.

@@ -70,7 +70,7 @@ void ProgressMonitor::given_up(double explored) {
 
 void describe(Knobs& knobs, ProgressMonitor::Options& o) {
   knobs.number("stalled_after", o.stalled_after, {0.01, 1e6}, "s",
-               "without progress until the way is reconsidered");
+               "without progress until the path is reconsidered");
   knobs.number("hopeless_after", o.hopeless_after, {0.01, 1e6}, "s",
                "without progress until the target is given up");
   knobs.require(o.hopeless_after > o.stalled_after, "hopeless_after",
