@@ -134,8 +134,7 @@ bool at_or_below(std::string_view key, std::string_view path) {
   return key.starts_with(path) && (key.size() == path.size() || key[path.size()] == '.');
 }
 
-/// What reads a few keys, and all that it reads; of export where the world has no textures of its
-/// own, too, how rich those are that it is given.
+/// What commands read that read few keys.
 constexpr std::string_view kReadByRelay[] = {
     "robot.model",         "robot.motion.v_min",    "robot.motion.v_max",  "robot.motion.vx_min",
     "robot.motion.vx_max", "robot.motion.vy_max",   "robot.motion.vz_max", "robot.motion.omega_max",
@@ -153,9 +152,6 @@ constexpr std::string_view kReadByExport[] = {"robot.motion.fixed_z",
                                               "robot.depth.mount",
                                               "perception.mapping.resolution",
                                               "world",
-                                              "task.kind",
-                                              "task.area",
-                                              "task.goal",
                                               "gazebo.model",
                                               "gazebo.link",
                                               "gazebo.stereo",
@@ -165,7 +161,13 @@ constexpr std::string_view kReadByExport[] = {"robot.motion.fixed_z",
                                               "gazebo.depth_width",
                                               "gazebo.wheel_radius",
                                               "gazebo.wheel_separation"};
-constexpr std::string_view kTexture = "simulator.camera.texture_quality";
+/// What else export reads: how rich the textures are that a world of voxels gets; the places that
+/// ground without end reaches to.
+bool exported(std::string_view key, const KeyReader& r) {
+  if (key == "simulator.camera.texture_quality") return !r.textured.value_or(false);
+  if (key == "task.area") return r.task == TaskKind::kExplore;
+  return (key == "task.kind" || key == "task.goal") && r.task == TaskKind::kGoTo;
+}
 
 constexpr KeyRow kNotOfRelay{
     "", nullptr, "the relay reads how the robot may move; expected a key of robot.motion", true};
@@ -183,8 +185,7 @@ const KeyRow* refusing_row(std::string_view key, const KeyReader& reader) {
   if (among(reader.told_elsewhere)) return &kToldElsewhere;
   if (reader.use == Use::kRelay) return among(kReadByRelay) ? nullptr : &kNotOfRelay;
   if (reader.use == Use::kExport) {
-    const bool painted = key == kTexture && !reader.textured.value_or(false);
-    return painted || among(kReadByExport) ? nullptr : &kNotOfExport;
+    return among(kReadByExport) || exported(key, reader) ? nullptr : &kNotOfExport;
   }
   for (const KeyRow& row : kRows) {
     if (at_or_below(key, row.path) && !row.read(reader)) return &row;

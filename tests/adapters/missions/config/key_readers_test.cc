@@ -234,6 +234,7 @@ std::string built(Configuration c, Use use) {
 std::vector<std::string> other_values(const ConfigEntry& e) {
   static const std::map<std::string, std::vector<std::string>> told = {
       {"planner.solver", {"nlopt:LN_BOBYQA"}},
+      {"robot.model", {"multirotor"}},
       {"robot.motion.v_min", {"-3"}},
       {"robot.motion.vx_min", {"-3"}},
       {"world.floor", {"1.5"}},
@@ -325,6 +326,7 @@ TEST(KeyReaders, EachKeyReachesWhatIsBuiltOrIsRefused) {
            Kind{"dds", Use::kDriveDds, {}, robots},
            Kind{"export", Use::kExport, {}, {""}},
            Kind{"export of a box", Use::kExport, {"robot.shape.type=box"}, {"robot."}},
+           Kind{"export of a goal", Use::kExport, {"task.kind=go", "task.goal=[5, 5]"}, {"task."}},
            Kind{"relay", Use::kRelay, {}, {""}},
            Kind{"relay of a holonomic base", Use::kRelay, {"robot.model=holonomic"}, {"robot."}},
        }) {
