@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <optional>
 #include <sstream>
 
 #include "adapters/formats/datasets/elements.h"
@@ -74,15 +75,20 @@ EurocSensor read_sensor(const std::string& path, std::vector<std::string>& notes
   return sensor;
 }
 
-/// Time [any unit], position, quaternion (w first) and more a line: times in `unit`.
+/// Time [any unit], position, quaternion (w first, unless the columns' names say otherwise) and
+/// more a line: times in `unit`.
 Trajectory read_euroc_truth(const std::string& csv, double unit, std::vector<std::string>& notes) {
   Trajectory body;
   Elements poses("poses of " + csv);
   std::istringstream lines(read_whole_file(csv));
   std::string line;
   std::vector<double> n;
+  bool w_first = true;
   for (int k = 1; std::getline(lines, line); ++k) {
-    if (line.empty() || line[0] == '#' || line == "\r") continue;
+    // Not all tools mark the line of names by #.
+    const std::optional<bool> named = names_w_first(line);
+    if (named) w_first = *named;
+    if (named || line.empty() || line[0] == '#' || line == "\r") continue;
     const std::string where = csv + ":" + std::to_string(k);
     if (!parse_any_numbers(line, n) || n.size() < 8 || !std::isfinite(n[0]) ||
         (!body.empty() && !(n[0] * unit > body.back().stamp))) {
@@ -91,11 +97,13 @@ Trajectory read_euroc_truth(const std::string& csv, double unit, std::vector<std
                        "that increase");
     }
     poses.read([&] {
-      const Eigen::Quaterniond q(n[4], n[5], n[6], n[7]);
+      const Eigen::Quaterniond q = w_first ? Eigen::Quaterniond(n[4], n[5], n[6], n[7])
+                                           : Eigen::Quaterniond(n[7], n[4], n[5], n[6]);
       body.push_back({n[0] * unit, checked_pose({n[1], n[2], n[3]}, q, where)});
     });
   }
   poses.finish(notes);
+  if (!w_first) notes.push_back(csv + ": its quaternions have w last, as its header says");
   return body;
 }
 

@@ -1,6 +1,7 @@
 #include "adapters/formats/datasets/trajectory.h"
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
@@ -10,6 +11,7 @@
 #include "adapters/formats/datasets/elements.h"
 #include "adapters/formats/datasets/numbered_files.h"
 #include "adapters/formats/files/input_error.h"
+#include "models/lower_case.h"
 
 namespace prospect {
 namespace {
@@ -59,6 +61,23 @@ Eigen::Isometry3d unknown_pose() {
 
 bool is_known(const Eigen::Isometry3d& T) { return T.matrix().allFinite(); }
 
+std::optional<bool> names_w_first(const std::string& line) {
+  std::string text = lower_case(line);
+  std::replace_if(
+      text.begin(), text.end(),
+      [](char c) { return !std::isalnum(static_cast<unsigned char>(c)) && c != '_'; }, ' ');
+  std::istringstream words(text);
+  std::optional<int> w, x;
+  int n = 0;
+  for (std::string word; words >> word; ++n) {
+    if (word.find('q') == std::string::npos) continue;
+    if (word.ends_with('w')) w = n;
+    if (word.ends_with('x')) x = n;
+  }
+  if (!w || !x) return std::nullopt;
+  return *w < *x;
+}
+
 Eigen::Isometry3d with_w_first(const Eigen::Isometry3d& T) {
   const Eigen::Quaterniond q = nearest_rotation(T.linear());
   Eigen::Isometry3d out = T;
@@ -96,8 +115,7 @@ Trajectory read_tum_trajectory(const std::string& path, std::vector<std::string>
   std::vector<double> n;
   for (int number = 1; std::getline(file, line); ++number) {
     if (line.empty() || line[0] == '#' || line == "\r") {
-      const auto w = line.find("qw"), x = line.find("qx");
-      if (w != std::string::npos && x != std::string::npos) w_first = w < x;
+      w_first = names_w_first(line).value_or(w_first);
       continue;
     }
     const std::string where = at(path, number);

@@ -31,6 +31,10 @@ bool is_known(const Eigen::Isometry3d& T);
 std::optional<Eigen::Isometry3d> pose_at(const Trajectory& trajectory, double stamp,
                                          double max_gap);
 
+/// Whether w stands before x in the quaternions of a table, by the names of its columns (qw, q_w,
+/// q_RS_w []; qx and the like); none: the line does not name both.
+std::optional<bool> names_w_first(const std::string& line);
+
 /// A pose whose quaternion was read with w last though it has w first, read again.
 Eigen::Isometry3d with_w_first(const Eigen::Isometry3d& T);
 

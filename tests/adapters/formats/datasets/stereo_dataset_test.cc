@@ -168,6 +168,18 @@ TEST_F(StereoRecording, EurocLayout) {
   const StereoDataset dataset = StereoDataset::open(folder_);
   EXPECT_EQ(dataset.layout(), "EuRoC");
   expect_good(dataset, 0.005);
+  // As other tools write the table: w last, and the names of the columns say so.
+  std::string truth = "timestamp,tx,ty,tz,qx,qy,qz,qw\r\n";
+  for (int k = 0; k < kFrames; ++k) {
+    char line[256];
+    const Eigen::Vector3d t = pose(k).translation();
+    std::snprintf(line, sizeof line, "%lld,%.9f,%.9f,%.9f,0,0,%.9f,%.9f\r\n",
+                  1400000000000000000LL + 100000000LL * k, t.x(), t.y(), t.z(), std::sin(0.01 * k),
+                  std::cos(0.01 * k));
+    truth += line;
+  }
+  write("mav0/state_groundtruth_estimate0/data.csv", truth);
+  expect_good(StereoDataset::open(folder_), 0.005);
 }
 
 TEST_F(StereoRecording, SaysWhatIsMissingOrMalformed) {

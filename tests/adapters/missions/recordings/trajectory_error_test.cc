@@ -194,6 +194,17 @@ TEST_F(TrajectoryFile, WhatIsNoPoseIsLeftOutAndCounted) {
   EXPECT_TRUE(pose_at(gap, 0.2, 0.25));
 }
 
+TEST(TrajectoryColumns, TheirNamesTellTheOrderOfQuaternions) {
+  EXPECT_EQ(names_w_first("# timestamp tx ty tz qx qy qz qw"), false);
+  EXPECT_EQ(names_w_first("#timestamp, p_RS_R_x [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z []"),
+            true);
+  EXPECT_EQ(names_w_first("time,px,py,pz,q_w,q_x,q_y,q_z"), true);
+  EXPECT_EQ(names_w_first("stamp;QX;QY;QZ;QW"), false);
+  for (const char* nothing : {"", "# timestamp, p, q", "1 2 3 4", "# of frequency x, w"}) {
+    EXPECT_EQ(names_w_first(nothing), std::nullopt) << nothing;
+  }
+}
+
 TEST_F(TrajectoryFile, QuaternionsWithWFirst) {
   const Eigen::Isometry3d T = pose(1, 2, 0.3);
   const Eigen::Quaterniond q(T.linear());
