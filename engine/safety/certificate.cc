@@ -553,10 +553,10 @@ class Walk {
 
 namespace {
 
-/// knows_ground() of the poses between the stages.
-bool knows_ground_of(const Belief& belief, const RobotShape& shape, const MotionModel& model,
-                     const Eigen::Ref<const Eigen::VectorXd>& x0, const Eigen::MatrixXd& inputs,
-                     double dt) {
+/// unknown_ground() of the poses between the stages.
+std::string unknown_ground_of(const Belief& belief, const RobotShape& shape,
+                              const MotionModel& model, const Eigen::Ref<const Eigen::VectorXd>& x0,
+                              const Eigen::MatrixXd& inputs, double dt) {
   Eigen::VectorXd x = x0, next(model.nx());
   std::vector<Pose> poses{model.pose(x)};
   for (Eigen::Index n = 0; n < inputs.cols(); ++n) {
@@ -564,7 +564,7 @@ bool knows_ground_of(const Belief& belief, const RobotShape& shape, const Motion
     x.swap(next);
     poses.push_back(model.pose(x));
   }
-  return knows_ground(belief, shape, model.pose_layout().pz < 0, poses);
+  return unknown_ground(belief, shape, model.pose_layout().pz < 0, poses);
 }
 
 }  // namespace
@@ -969,11 +969,13 @@ Certificate Certifier::certify(const Belief& belief, const MotionModel& model,
     inputs << committed, tail;
     result = certify_inputs(belief, model, x0, inputs, dt, drift);
     if (!result.ok()) return result;
-    if (options_.known_ground && !knows_ground_of(belief, body_->shape, model, x0, inputs, dt)) {
-      result.status = Certificate::Status::kUnknownSpace;
-      result.detail =
-          "the map does not know the ground of the motion: it is empty, or of elsewhere";
-      return result;
+    if (options_.known_ground) {
+      std::string unknown = unknown_ground_of(belief, body_->shape, model, x0, inputs, dt);
+      if (!unknown.empty()) {
+        result.status = Certificate::Status::kUnknownSpace;
+        result.detail = std::move(unknown);
+        return result;
+      }
     }
     for (Eigen::Index n = 0; n < tail.cols(); ++n) {
       model.step(x, tail.col(n), dt, next);

@@ -1,9 +1,12 @@
 #include "engine/safety/known_ground.h"
 
+#include <octomap/OcTree.h>
+
 #include <algorithm>
 #include <cmath>
 
 #include "engine/maps/grid.h"
+#include "models/formatted.h"
 
 namespace prospect {
 namespace {
@@ -24,18 +27,22 @@ class Known {
   double resolution() const { return ground_.frame().resolution; }
   bool operator()(double x, double y, double z) const {
     const Cell c = ground_.frame().cell(x, y);
-    if (planar_) return ground_.explored(c);
-    const Eigen::Vector3i low = voxels_.voxel({x, y, z + height_.z_min});
-    const Eigen::Vector3i high = voxels_.voxel({x, y, z + height_.z_max});
-    const int from = std::max(low.z(), voxels_.k0());
-    const int to = std::min(high.z(), voxels_.k0() + voxels_.depth() - 1);
-    for (int k = from; k <= to; ++k) {
+    if (planar_) {
+      return ground_.explored(c) && any_known(c, voxels_.k0(), voxels_.k0() + voxels_.depth() - 1);
+    }
+    return any_known(c, voxels_.voxel({x, y, z + height_.z_min}).z(),
+                     voxels_.voxel({x, y, z + height_.z_max}).z());
+  }
+
+ private:
+  bool any_known(Cell c, int low, int high) const {
+    for (int k = std::max(low, voxels_.k0());
+         k <= std::min(high, voxels_.k0() + voxels_.depth() - 1); ++k) {
       if (voxels_.state(c.i, c.j, k) != CellState::kUnknown) return true;
     }
     return false;
   }
 
- private:
   const VoxelGrid& voxels_;
   const GroundMap& ground_;
   VerticalExtent height_;
@@ -58,8 +65,6 @@ bool knows_anything(const Known& known, const Pose& at, double reach) {
   }
   return false;
 }
-
-}  // namespace
 
 bool knows_ground(const Belief& belief, const RobotShape& shape, bool planar,
                   std::span<const Pose> poses) {
@@ -91,6 +96,21 @@ bool knows_ground(const Belief& belief, const RobotShape& shape, bool planar,
     }
   }
   return covered.most() || entered.most();
+}
+
+}  // namespace
+
+std::string unknown_ground(const Belief& belief, const RobotShape& shape, bool planar,
+                           std::span<const Pose> poses) {
+  if (!belief.octree) return "the belief lacks the octree that its maps are of";
+  const double voxels = belief.voxels->resolution();
+  for (const double other : {belief.ground->frame().resolution, belief.octree->getResolution()}) {
+    if (std::abs(other - voxels) <= 1e-9 * voxels) continue;
+    return formatted("the maps are of different resolutions, %.4g and %.4g m: not of one place",
+                     voxels, other);
+  }
+  if (knows_ground(belief, shape, planar, poses)) return "";
+  return "the map does not know the ground of the motion: it is empty, or of elsewhere";
 }
 
 }  // namespace prospect

@@ -1,6 +1,7 @@
 #include "engine/safety/guard.h"
 
 #include <gtest/gtest.h>
+#include <octomap/OcTree.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -227,9 +228,10 @@ TEST_F(GuardTest, TheNewestMapForbidsWhatAnOlderOneAllowed) {
   EXPECT_EQ(guard_.check(plan_, 0, before_, newest, now_).reason, GuardReason::kMap);
 }
 
-/// The same maps with nothing known in them, or `cells` further along both axes.
-void replace_maps(Belief& belief, bool known, int cells) {
-  const ObstacleWorld world;
+/// The same maps with nothing known in them, or `cells` further along both axes, in voxels of
+/// `resolution` [m].
+void replace_maps(Belief& belief, bool known, int cells, double resolution = 0.1) {
+  const ObstacleWorld world(resolution);
   const auto moved = [&](GridFrame frame) {
     frame.i0 += cells;
     frame.j0 += cells;
@@ -264,6 +266,18 @@ TEST_F(GuardTest, WhatHasNothingToDoWithThePlanIsNotTrusted) {
   const auto maps = [this](bool known, int cells) {
     return [=, this] { replace_maps(belief_, known, cells); };
   };
+  // One of the belief's two maps is another's.
+  const auto torn = [this](auto Belief::*map, bool known, int cells, double resolution = 0.1) {
+    return [=, this] {
+      Belief other;
+      replace_maps(other, known, cells, resolution);
+      belief_.*map = other.*map;
+    };
+  };
+  const auto later = [this](double seconds) { return [=, this] { now_ += seconds; }; };
+  const auto forgets = [this](double SourceStamps::*stamp, double value = 0.0) {
+    return [=, this] { belief_.stamps.*stamp = value; };
+  };
   const auto stands = [this](double v) {
     return [=, this] {
       plan_ = plan_of(*model_, belief_, Eigen::MatrixXd::Zero(2, 1));
@@ -280,6 +294,36 @@ TEST_F(GuardTest, WhatHasNothingToDoWithThePlanIsNotTrusted) {
       {"a map of elsewhere", maps(true, 3000), kMap},
       {"a map that ends beside it", maps(true, 68), kMap},
       {"a map that is known here", maps(true, 20), kPassed},
+      {"voxels that know nothing", torn(&Belief::voxels, false, 0), kMap},
+      {"a ground map that knows nothing", torn(&Belief::ground, false, 0), kMap},
+      {"voxels of elsewhere", torn(&Belief::voxels, true, 3000), kMap},
+      {"a ground map of elsewhere", torn(&Belief::ground, true, 3000), kMap},
+      {"voxels of another resolution", torn(&Belief::voxels, true, 0, 0.2), kMap},
+      {"a ground map of another resolution", torn(&Belief::ground, true, 0, 0.05), kMap},
+      {"no voxels", [this] { belief_.voxels = nullptr; }, kMap},
+      {"no ground map", [this] { belief_.ground = nullptr; }, kMap},
+      {"no octree", [this] { belief_.octree = nullptr; }, kMap},
+      {"an octree of another resolution",
+       [this] { belief_.octree = std::make_shared<const octomap::OcTree>(0.2); }, kMap},
+      {"no stamp", [this] { belief_.stamp = 0.0; }, kStale},
+      {"no stamp of any source", [this] { belief_.stamps = {}; }, kStale},
+      {"no stamp of the pose", forgets(&SourceStamps::pose), kStale},
+      {"no stamp of the map", forgets(&SourceStamps::map), kStale},
+      {"no stamp of the landmarks", forgets(&SourceStamps::landmarks), kStale},
+      {"no stamp of the ranges", forgets(&SourceStamps::ranges), kStale},
+      {"a stamp that is none", forgets(&SourceStamps::map, kNan), kStale},
+      {"no stamp of the plan", [this] { plan_.stamp = 0.0; }, kStale},
+      {"a clock that has stopped", later(-0.5), kStale},
+      {"a clock in milliseconds", later(9990.0), kStale},
+      {"a clock that is none", later(kNan), kStale},
+      {"a covariance that is none", [this] { belief_.covariance(1, 1) = kNan; }, kLost},
+      {"a covariance without a sign", [this] { belief_.covariance(0, 0) = -0.04; }, kLost},
+      {"lost and said to be exact", [this] { belief_.localization = Localization::kLost; }, kLost},
+      {"no command in force", [this] { before_ = {}; }, kRate},
+      {"a plan that is not certified", [this] { plan_.certified = false; }, kUncommitted},
+      {"a plan without its inputs", [this] { plan_.inputs.clear(); }, kUncommitted},
+      {"inputs of another robot", [this] { plan_.inputs[0].setZero(3); }, kNonFinite},
+      {"commands of another plan", [this] { plan_.commands[0].linear.x() = 0.45; }, kUncommitted},
       {"slower than told", measured(0.0, 0.0, 0.0), kPassed},
       {"a little faster", measured(0.55, 0.0, 0.3), kPassed},
       {"much faster", measured(1.5, 0.0, 0.1), kVelocity},
@@ -293,6 +337,10 @@ TEST_F(GuardTest, WhatHasNothingToDoWithThePlanIsNotTrusted) {
       {"told to stand, drives backwards", stands(-1.5), kVelocity},
   };
   for (const Row& row : rows) {
+    now_ = 10.0;
+    before_ = {};
+    belief_ = ObstacleWorld().belief();
+    belief_.octree = std::make_shared<const octomap::OcTree>(0.1);
     SetUp();
     row.change();
     const GuardVerdict verdict = guard.check(plan_, 0, before_, belief_, now_);
@@ -307,7 +355,9 @@ TEST(KnownGround, OfMotionsOnTheRimOfAMap) {
   ObstacleWorld world;
   const RobotShape shape = CylinderShape{};
   const auto knows = [&](bool planar, std::vector<Pose> poses) {
-    return knows_ground(world.belief(), shape, planar, poses);
+    Belief belief = world.belief();
+    belief.octree = std::make_shared<const octomap::OcTree>(0.1);
+    return unknown_ground(belief, shape, planar, poses).empty();
   };
   const auto at = [](double x, double yaw = 0.0) {
     Pose pose;
@@ -326,8 +376,8 @@ TEST(KnownGround, OfMotionsOnTheRimOfAMap) {
   }
   Pose high = at(0.0);
   high.position.z() = 3.0;
-  EXPECT_FALSE(knows_ground(world.belief(), shape, false, std::vector<Pose>{high}));
-  EXPECT_TRUE(knows_ground(world.belief(), shape, true, std::vector<Pose>{high}));
+  EXPECT_FALSE(knows(false, {high}));
+  EXPECT_TRUE(knows(true, {high}));
 }
 
 // Tails passed that were to be held for twelve days; a step that is not positive never ends.
