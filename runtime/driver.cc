@@ -189,6 +189,8 @@ struct Driver::Impl {
   bool is_cancelled() const { return cancelled || (mission.cancelled && mission.cancelled()); }
   /// A planning step; false: the mission is over.
   bool plan_next(const std::stop_token& stop);
+  /// Waits, going on with what the deadline left unfinished. False: it is to stop.
+  bool wait_and_go_on(double until, const std::stop_token& stop);
   DriveObservation look(const BaseReport& report, const Belief* newest, const RangeCheck& ranges,
                         double instant);
   void decide_mode(const DriveFacts& facts);
@@ -219,6 +221,14 @@ bool Driver::advance(const std::stop_token& stop) {
   return false;
 }
 
+bool Driver::Impl::wait_and_go_on(double until, const std::stop_token& stop) {
+  while (until - now() > kPoll && !stop.stop_requested()) {
+    supervisor.beat(kPlanner, now());
+    if (!progress.go_on(kPoll)) break;
+  }
+  return parts.clock.wait_until(until, stop);
+}
+
 bool Driver::Impl::plan_next(const std::stop_token& stop) {
   std::shared_ptr<const Belief> newest = belief.get();
   if (!newest) {
@@ -231,12 +241,12 @@ bool Driver::Impl::plan_next(const std::stop_token& stop) {
   // Not before the plan before has begun: its successor is predicted through it.
   const double lead = latency.value(), ahead = preparation.value();
   start = std::max(now() + ahead + lead, start + std::max(options.replan_period, ahead + lead));
-  if (!parts.clock.wait_until(start - lead - ahead, stop)) return true;
+  if (!wait_and_go_on(start - lead - ahead, stop)) return true;
   const double prepared = now();
   progress.prepare(*belief.get());
   preparation.add(now() - prepared);
   start = std::max(start, now() + lead);
-  if (!parts.clock.wait_until(start - lead, stop)) return true;
+  if (!wait_and_go_on(start - lead, stop)) return true;
   newest = belief.get();
   const double begun = now();
   if (progress.over_before(*newest, begun, is_cancelled())) return false;

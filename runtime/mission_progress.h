@@ -42,6 +42,8 @@ class MissionProgress {
   bool over_before(const Belief& belief, double now, bool cancelled);
   /// Replanner::prepare() with that belief.
   void prepare(const Belief& belief);
+  /// Replanner::go_on().
+  bool go_on(double seconds) { return planner_.go_on(seconds); }
   /// The plan that begins as `from` says, at its stamp; null: it was cancelled while it was made,
   /// which is no step, and ends the mission. newest: the belief now.
   std::shared_ptr<const Plan> plan(const Belief& newest, const Belief& from, double now);

@@ -46,8 +46,9 @@ void FeatureVisibilityMap::update(const Belief& belief, double density, const Lo
   side_ = side;
   const GridFrame frame = frame_of_blocks(fine, side);
   if (!(frame == blocks_.frame)) {
-    Grid<Block> wider(frame, Block{});
+    Grid<Block> wider(frame, Block{}, pause);
     for (int k = 0; k < blocks_.frame.size(); ++k) {
+      if (k % 1024 == 0) pause();
       const Cell b = blocks_.frame.at(k);
       if (frame.resolution == blocks_.frame.resolution && frame.contains(b)) {
         wider[b] = blocks_.data[static_cast<std::size_t>(k)];

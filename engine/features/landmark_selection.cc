@@ -6,6 +6,7 @@
 #include <map>
 #include <numbers>
 #include <tuple>
+#include <utility>
 
 namespace prospect {
 namespace {
@@ -66,6 +67,41 @@ bool can_matter(const Landmark& l, const Eigen::Vector3d& center, double reach,
   return angle <= p.view_angle + kWidths * p.view_angle_width;
 }
 
+std::vector<const Landmark*> those_that_matter(const LandmarkMap& map, const Pose& pose,
+                                               double reach, const VisibilityParameters& parameters,
+                                               const PausePoint& pause) {
+  std::vector<const Landmark*> eligible;
+  std::size_t seen = 0;
+  for (const Landmark& l : map.landmarks) {
+    if (++seen % 128 == 0) pause();
+    if (usable(l) && can_matter(l, pose.position, reach, parameters)) eligible.push_back(&l);
+  }
+  return eligible;
+}
+
+/// Maps are in the order of ids as a rule; and of a million others nearly all are told apart by id
+/// alone, which need not be looked up where they are.
+std::vector<const Landmark*> sorted_by_key(std::vector<const Landmark*> landmarks,
+                                           const PausePoint& pause) {
+  std::size_t compared = 0;
+  const auto less = [&](const Landmark* a, const Landmark* b) {
+    if (++compared % 128 == 0) pause();
+    return key(*a) < key(*b);
+  };
+  if (std::is_sorted(landmarks.begin(), landmarks.end(), less)) return landmarks;
+  std::vector<std::pair<std::uint64_t, const Landmark*>> by_id;
+  by_id.reserve(landmarks.size());
+  for (const Landmark* l : landmarks) by_id.emplace_back(l->id, l);
+  std::sort(by_id.begin(), by_id.end(), [&](const auto& a, const auto& b) {
+    if (a.first == b.first) return less(a.second, b.second);
+    if (++compared % 128 == 0) pause();
+    return a.first < b.first;
+  });
+  std::transform(by_id.begin(), by_id.end(), landmarks.begin(),
+                 [](const auto& l) { return l.second; });
+  return landmarks;
+}
+
 using CellKey = std::tuple<std::int64_t, std::int64_t, std::int64_t, int>;
 
 CellKey cell_of(const Landmark& l, double size) {
@@ -101,19 +137,8 @@ std::vector<Cluster> clusters(const std::vector<const Landmark*>& landmarks, dou
 std::vector<Landmark> select_landmarks(const LandmarkMap& map, const Pose& pose, double reach,
                                        int max_count, const VisibilityParameters& parameters,
                                        const PausePoint& pause) {
-  std::vector<const Landmark*> eligible;
-  std::size_t steps = 0;
-  const auto pause_now_and_then = [&] {
-    if (++steps % 128 == 0) pause();
-  };
-  for (const Landmark& l : map.landmarks) {
-    pause_now_and_then();
-    if (usable(l) && can_matter(l, pose.position, reach, parameters)) eligible.push_back(&l);
-  }
-  std::sort(eligible.begin(), eligible.end(), [&](const Landmark* a, const Landmark* b) {
-    pause_now_and_then();
-    return key(*a) < key(*b);
-  });
+  const std::vector<const Landmark*> eligible =
+      sorted_by_key(those_that_matter(map, pose, reach, parameters, pause), pause);
   std::vector<Landmark> result;
   const auto most = static_cast<std::size_t>(std::max(0, max_count));
   if (eligible.size() <= most) {

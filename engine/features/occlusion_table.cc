@@ -1,5 +1,7 @@
 #include "engine/features/occlusion_table.h"
 
+#include <sys/mman.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -184,6 +186,15 @@ Nodes within(const Nodes& all, double low, double high, double range, double spa
   return {first, last};
 }
 
+/// 0 to count - 1, the nearest to the middle first.
+std::vector<int> from_the_middle(int count) {
+  std::vector<int> order(static_cast<std::size_t>(count));
+  for (int n = 0; n < count; ++n) {
+    order[static_cast<std::size_t>(n)] = count / 2 + (n % 2 == 0 ? n / 2 : -(n + 1) / 2);
+  }
+  return order;
+}
+
 void set_axis(const Nodes& nodes, double spacing, double& origin, int& count) {
   constexpr double kMost = 1e9;
   origin = nodes.first * spacing;
@@ -235,33 +246,32 @@ SensorLattice SensorLattice::around(const Eigen::Vector3d& center, double reach,
 OcclusionTable::OcclusionTable(const SensorLattice& lattice, std::vector<Eigen::Vector3d> points,
                                const VoxelGrid& voxels, const Options& options)
     : lattice_(lattice), points_(std::move(points)), options_(options) {
-  prepare(voxels, nullptr);
+  prepare(voxels, nullptr, Clock::time_point::max());
   cast_all();
   cast_in_ = nullptr;
 }
 
 OcclusionTable::OcclusionTable(const SensorLattice& lattice, std::vector<Eigen::Vector3d> points,
                                std::shared_ptr<const VoxelGrid> voxels, const Options& options,
-                               const OcclusionTable* previous)
+                               const OcclusionTable* previous, Clock::time_point until)
     : lattice_(lattice), points_(std::move(points)), options_(options), voxels_(std::move(voxels)) {
   if (!voxels_) throw std::invalid_argument("occlusion table: voxels is null; expected a snapshot");
-  prepare(*voxels_, previous);
+  prepare(*voxels_, previous, until);
 }
 
-Eigen::Vector3d OcclusionTable::node_position(int a, int b, int c) const {
-  const Eigen::Array3d address = (lattice_.origin.array() / lattice_.spacing).round();
-  const bool vertical = lattice_.nz > 1;
-  const auto coordinate = [&](int axis, int n) {
-    const double aligned = address[axis] * lattice_.spacing;
-    if (std::abs(aligned - lattice_.origin[axis]) < 1e-9 && (axis < 2 || vertical)) {
-      return (address[axis] + n) * lattice_.spacing;
-    }
-    return lattice_.origin[axis] + n * lattice_.spacing;
-  };
-  return {coordinate(0, a), coordinate(1, b), coordinate(2, c)};
+void OcclusionTable::Unmap::operator()(float* memory) const { munmap(memory, bytes); }
+
+double OcclusionTable::coordinate(int axis, int n) const {
+  const double address = std::round(lattice_.origin[axis] / lattice_.spacing);
+  const double aligned = address * lattice_.spacing;
+  if (std::abs(aligned - lattice_.origin[axis]) < 1e-9 && (axis < 2 || lattice_.nz > 1)) {
+    return (address + n) * lattice_.spacing;
+  }
+  return lattice_.origin[axis] + n * lattice_.spacing;
 }
 
-void OcclusionTable::prepare(const VoxelGrid& voxels, const OcclusionTable* previous) {
+void OcclusionTable::prepare(const VoxelGrid& voxels, const OcclusionTable* previous,
+                             Clock::time_point until) {
   const SensorLattice& l = lattice_;
   if (!(l.spacing > 0.0) || !std::isfinite(l.spacing) || !l.origin.allFinite()) {
     throw std::invalid_argument("occlusion table: lattice spacing " + std::to_string(l.spacing) +
@@ -286,18 +296,18 @@ void OcclusionTable::prepare(const VoxelGrid& voxels, const OcclusionTable* prev
   stride_ = (num_points() + kPadding - 1) / kPadding * kPadding;
   const std::size_t nodes = static_cast<std::size_t>(l.nx) * static_cast<std::size_t>(l.ny) *
                             static_cast<std::size_t>(l.nz);
-  table_.reset(static_cast<float*>(std::calloc(
-      std::max<std::size_t>(nodes * static_cast<std::size_t>(stride_), 1), sizeof(float))));
-  if (!table_) throw std::bad_alloc();
-  in_wall_.assign(nodes, 0);
+  const std::size_t bytes =
+      std::max<std::size_t>(nodes * static_cast<std::size_t>(stride_), 1) * sizeof(float);
+  void* const memory = mmap(nullptr, bytes, PROT_READ | PROT_WRITE,
+                            MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  if (memory == MAP_FAILED) throw std::bad_alloc();
+  table_ = {static_cast<float*>(memory), Unmap{bytes}};
+  // Its entries are kEmpty, which is zero.
   rows_ = std::make_unique<std::atomic<Row>[]>(nodes);
-  for (int c = 0; c < l.nz; ++c) {
-    for (int b = 0; b < l.ny; ++b) {
-      for (int a = 0; a < l.nx; ++a) {
-        rows_[node(a, b, c)].store(Row::kEmpty, std::memory_order_relaxed);
-        const Eigen::Vector3i v = voxels.voxel(node_position(a, b, c));
-        in_wall_[node(a, b, c)] = voxels.state(v.x(), v.y(), v.z()) == CellState::kOccupied;
-      }
+  for (int axis = 0; axis < 3; ++axis) {
+    const int count = axis == 0 ? l.nx : axis == 1 ? l.ny : l.nz;
+    for (int n = 0; n < count; ++n) {
+      coordinates_[static_cast<std::size_t>(axis)].push_back(coordinate(axis, n));
     }
   }
 
@@ -314,15 +324,18 @@ void OcclusionTable::prepare(const VoxelGrid& voxels, const OcclusionTable* prev
   if (previous && previous->voxels_ && previous->options_ == options_ &&
       previous->lattice_.spacing == l.spacing &&
       previous->voxels_->resolution() == voxels.resolution()) {
-    take_over(voxels, *previous);
+    take_over(voxels, *previous, until);
   }
 }
 
-void OcclusionTable::take_over(const VoxelGrid& voxels, const OcclusionTable& previous) {
+void OcclusionTable::take_over(const VoxelGrid& voxels, const OcclusionTable& previous,
+                               Clock::time_point until) {
   const SensorLattice& l = lattice_;
   const SensorLattice& o = previous.lattice_;
   const Eigen::Vector3i shift = ((l.origin - o.origin) / l.spacing).array().round().cast<int>();
-  if (node_position(0, 0, 0) != previous.node_position(shift.x(), shift.y(), shift.z())) return;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (coordinate(axis, 0) != previous.coordinate(axis, shift[axis])) return;
+  }
 
   // The old column of each point; -1: none.
   std::unordered_map<std::array<double, 3>, int, PositionHash> columns;
@@ -357,16 +370,22 @@ void OcclusionTable::take_over(const VoxelGrid& voxels, const OcclusionTable& pr
     for (std::size_t i = 0; i < points_.size(); ++i) point_tile[i] = changed->tile_at(points_[i]);
   }
 
-  for (int c = 0; c < l.nz; ++c) {
-    for (int b = 0; b < l.ny; ++b) {
-      for (int a = 0; a < l.nx; ++a) {
-        const int oa = a + shift.x(), ob = b + shift.y(), oc = c + shift.z();
-        if (oa < 0 || oa >= o.nx || ob < 0 || ob >= o.ny || oc < 0 || oc >= o.nz) continue;
-        const std::size_t old = previous.node(oa, ob, oc);
-        if (in_wall_[node(a, b, c)] || previous.in_wall_[old] ||
-            previous.rows_[old].load(std::memory_order_acquire) != Row::kReady) {
+  const bool all_of_them = until == Clock::time_point::max();
+  const std::vector<int> layers = from_the_middle(l.nz), lines = from_the_middle(l.ny);
+  for (const int c : layers) {
+    const int oc = c + shift.z();
+    if (oc < 0 || oc >= o.nz) continue;
+    for (const int b : lines) {
+      const int ob = b + shift.y();
+      if (ob < 0 || ob >= o.ny) continue;
+      for (int a = std::max(0, -shift.x()); a < std::min(l.nx, o.nx - shift.x()); ++a) {
+        const int oa = a + shift.x();
+        if (previous.rows_[previous.node(oa, ob, oc)].load(std::memory_order_acquire) !=
+                Row::kReady ||
+            in_wall(a, b, c, voxels) || previous.in_wall(oa, ob, oc, *previous.voxels_)) {
           continue;
         }
+        if (!all_of_them && Clock::now() >= until) return;
         const float* old_row = previous.table_.get() + previous.row(oa, ob, oc);
         float* out = table_.get() + row(a, b, c);
         const Eigen::Vector3d from = node_position(a, b, c);
@@ -402,7 +421,7 @@ void OcclusionTable::complete(int a, int b, int c) const {
     }
     // A failed exchange says what is there now.
     if (!state.compare_exchange_weak(seen, Row::kBusy, std::memory_order_acquire)) continue;
-    if (in_wall_[node(a, b, c)]) {
+    if (in_wall(a, b, c, *cast_in_)) {
       mean_of_neighbours(a, b, c);
     } else {
       cast_rays(a, b, c, seen == Row::kPartial);
@@ -419,6 +438,7 @@ void OcclusionTable::cast_rays(int a, int b, int c, bool partial) const {
   std::array<VoxelGrid::Ray, kAtOnce> rays;
   std::size_t count = 0;
   const Eigen::Vector3d from = node_position(a, b, c);
+  ends.fill(from);
   float* out = table_.get() + row(a, b, c);
   const auto cast = [&] {
     cast_in_->cast_many(from, ends.data(), static_cast<int>(count), options_.trim, rays.data());
@@ -456,7 +476,7 @@ void OcclusionTable::mean_of_neighbours(int a, int b, int c) const {
   for (int z = std::max(c - 1, 0); z <= std::min(c + 1, l.nz - 1); ++z) {
     for (int y = std::max(b - 1, 0); y <= std::min(b + 1, l.ny - 1); ++y) {
       for (int x = std::max(a - 1, 0); x <= std::min(a + 1, l.nx - 1); ++x) {
-        if (in_wall_[node(x, y, z)]) continue;
+        if (in_wall(x, y, z, *cast_in_)) continue;
         ++count;
         const float* from = complete_row(x, y, z);
         for (int i = 0; i < stride_; ++i) out[i] += from[i];

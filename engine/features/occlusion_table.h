@@ -1,9 +1,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <atomic>
+#include <chrono>
 #include <cstdint>
-#include <cstdlib>
 #include <memory>
 #include <vector>
 
@@ -64,6 +65,8 @@ struct SensorLattice {
 /// (hard ray cast, smoothed) and section 4 (attenuation).
 class OcclusionTable {
  public:
+  using Clock = std::chrono::steady_clock;
+
   struct Options {
     double trim = 0.15;        ///< [m]; 1.5 voxels
     double attenuation = 0.5;  ///< lambda [1/m] through unknown space
@@ -85,10 +88,12 @@ class OcclusionTable {
   /// `previous` was asked for (same spacing, options and exact position) is taken over unless a
   /// voxel differs between the two snapshots near the ray (in the tiles of 8 x 8 columns that the
   /// bounding rectangles of its quarters touch). The result is the same, bit for bit, as without
-  /// `previous`. `voxels` must not be null; `previous` may be, and need not outlive the call.
+  /// `previous`. `voxels` must not be null; `previous` may be, and need not outlive the call. What
+  /// is taken over at `until` is all that is: the rows nearest to the lattice's middle come first.
   OcclusionTable(const SensorLattice& lattice, std::vector<Eigen::Vector3d> points,
                  std::shared_ptr<const VoxelGrid> voxels, const Options& options,
-                 const OcclusionTable* previous);
+                 const OcclusionTable* previous,
+                 Clock::time_point until = Clock::time_point::max());
 
   int num_points() const { return static_cast<int>(points_.size()); }
   const std::vector<Eigen::Vector3d>& points() const { return points_; }
@@ -118,9 +123,9 @@ class OcclusionTable {
     kBusy,     // a thread is at it
     kReady
   };
-  /// Checks the input, finds the nodes in walls and takes over what it can.
-  void prepare(const VoxelGrid& voxels, const OcclusionTable* previous);
-  void take_over(const VoxelGrid& voxels, const OcclusionTable& previous);
+  /// Checks the input and takes over what it can.
+  void prepare(const VoxelGrid& voxels, const OcclusionTable* previous, Clock::time_point until);
+  void take_over(const VoxelGrid& voxels, const OcclusionTable& previous, Clock::time_point until);
   /// The row of a node, complete.
   const float* complete_row(int a, int b, int c) const {
     if (rows_[node(a, b, c)].load(std::memory_order_acquire) != Row::kReady) complete(a, b, c);
@@ -129,9 +134,19 @@ class OcclusionTable {
   void complete(int a, int b, int c) const;
   void cast_rays(int a, int b, int c, bool partial) const;
   void mean_of_neighbours(int a, int b, int c) const;
-  /// From the node's address in the world where the lattice is aligned, so that a node has the same
-  /// position to the last bit in every table.
-  Eigen::Vector3d node_position(int a, int b, int c) const;
+  /// Along an axis. From the node's address in the world where the lattice is aligned, so that a
+  /// node has the same position to the last bit in every table.
+  double coordinate(int axis, int n) const;
+  Eigen::Vector3d node_position(int a, int b, int c) const {
+    return {coordinates_[0][static_cast<std::size_t>(a)],
+            coordinates_[1][static_cast<std::size_t>(b)],
+            coordinates_[2][static_cast<std::size_t>(c)]};
+  }
+  /// Whether the node lies inside an occupied voxel.
+  bool in_wall(int a, int b, int c, const VoxelGrid& voxels) const {
+    const Eigen::Vector3i v = voxels.voxel(node_position(a, b, c));
+    return voxels.state(v.x(), v.y(), v.z()) == CellState::kOccupied;
+  }
   std::size_t node(int a, int b, int c) const {
     return (static_cast<std::size_t>(c) * static_cast<std::size_t>(lattice_.ny) +
             static_cast<std::size_t>(b)) *
@@ -145,17 +160,19 @@ class OcclusionTable {
   SensorLattice lattice_;
   std::vector<Eigen::Vector3d> points_;
   Options options_;
-  std::shared_ptr<const VoxelGrid> voxels_;  // null: cannot serve as `previous`
-  const VoxelGrid* cast_in_ = nullptr;       // while not all rows are ready
-  std::vector<int> order_;                   // in which a node's rays are cast
-  int stride_ = 0;                           // floats per node row, padded
-  std::vector<std::uint8_t> in_wall_;        // per node: inside an occupied voxel
+  std::shared_ptr<const VoxelGrid> voxels_;         // null: cannot serve as `previous`
+  const VoxelGrid* cast_in_ = nullptr;              // while not all rows are ready
+  std::vector<int> order_;                          // in which a node's rays are cast
+  int stride_ = 0;                                  // floats per node row, padded
+  std::array<std::vector<double>, 3> coordinates_;  // of the nodes along x, y and z
   // Written by complete() alone, a row by the thread that has made it kBusy.
-  struct Free {
-    void operator()(float* memory) const { std::free(memory); }
+  struct Unmap {
+    std::size_t bytes;
+    void operator()(float* memory) const;
   };
-  // Node-major, x fastest. Zeros of the system, which cost nothing where nobody writes.
-  std::unique_ptr<float[], Free> table_;
+  // Node-major, x fastest. Zeros of the system, which cost nothing where nobody writes; those of
+  // calloc() are written, all of them, where it has that much memory left over.
+  std::unique_ptr<float[], Unmap> table_;
   std::unique_ptr<std::atomic<Row>[]> rows_;
   mutable std::atomic<std::int64_t> rays_cast_ = 0;
   OcclusionKernel kernel_ = occlusion_kernel(best_instruction_set());

@@ -404,7 +404,7 @@ void FrontierPlanner::take_over(const GroundMap& ground, const Pose& pose, doubl
                                 const FrontierActivity& activity, const PausePoint& pause) {
   const Eigen::Vector2d p = pose.position.head<2>();
   // What was learned of one place says nothing of another.
-  if (!traversability_.continues(ground)) *this = FrontierPlanner(options_);
+  if (!traversability_.continues(ground, pause)) *this = FrontierPlanner(options_);
   if (activity.observed && (been_.empty() || (p - been_.back()).norm() >= kPlaceSpacing)) {
     been_.push_back(p);
   }

@@ -197,7 +197,7 @@ std::shared_ptr<const GlobalPlan> GoalPlanner::update(const GroundMap& ground, c
                                                       const FrontierActivity& activity,
                                                       const PausePoint& pause) {
   Stopwatch watch;
-  if (!traversability_.continues(ground)) {
+  if (!traversability_.continues(ground, pause)) {
     traversability_ = Traversability(traversability_.options());
     solved_ = {};
   }

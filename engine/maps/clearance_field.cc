@@ -354,10 +354,11 @@ void ClearanceField::correct(const PausePoint& pause) {
   }
 }
 
-double ClearanceField::distance(const Eigen::Vector3d& p, Eigen::Vector3d* gradient) const {
+template <bool kGradient>
+double ClearanceField::interpolate(const Eigen::Vector3d& p, Eigen::Vector3d* gradient) const {
   const int dimensions = depth_ == 1 ? 2 : 3;
   if (!p.head(dimensions).allFinite()) {
-    if (gradient != nullptr) gradient->setZero();
+    if constexpr (kGradient) gradient->setZero();
     return std::numeric_limits<double>::quiet_NaN();
   }
   const double r = nodes_.resolution;
@@ -402,6 +403,7 @@ double ClearanceField::distance(const Eigen::Vector3d& p, Eigen::Vector3d* gradi
       const double c0 = row[offset[0][0]], c1 = row[offset[0][1]], c2 = row[offset[0][2]];
       const double sum = weight[0][0] * c0 + weight[0][1] * c1 + weight[0][2] * c2;
       value += weight[1][n] * sum;
+      if constexpr (!kGradient) continue;
       d[0] += weight[1][n] * (slope[0][0] * c0 + slope[0][1] * c1 + slope[0][2] * c2);
       d[1] += slope[1][n] * sum;
     }
@@ -413,6 +415,7 @@ double ClearanceField::distance(const Eigen::Vector3d& p, Eigen::Vector3d* gradi
         const double sum = weight[2][0] * c0 + weight[2][1] * c1 + weight[2][2] * c2;
         const double w = weight[1][n] * weight[0][m];
         value += w * sum;
+        if constexpr (!kGradient) continue;
         d[0] += weight[1][n] * slope[0][m] * sum;
         d[1] += slope[1][n] * weight[0][m] * sum;
         d[2] += w * (slope[2][0] * c0 + slope[2][1] * c1 + slope[2][2] * c2);
@@ -426,8 +429,11 @@ double ClearanceField::distance(const Eigen::Vector3d& p, Eigen::Vector3d* gradi
     value -= length - r;
     g -= beyond / length;
   }
-  if (gradient != nullptr) *gradient = g;
+  if constexpr (kGradient) *gradient = g;
   return value;
 }
+
+template double ClearanceField::interpolate<true>(const Eigen::Vector3d&, Eigen::Vector3d*) const;
+template double ClearanceField::interpolate<false>(const Eigen::Vector3d&, Eigen::Vector3d*) const;
 
 }  // namespace prospect

@@ -95,7 +95,9 @@ class ClearanceField {
                  const PausePoint& pause = {});
 
   /// d(p) [m] at p in W, and, unless null, its gradient [-] (z: 0 in the planar case).
-  double distance(const Eigen::Vector3d& p, Eigen::Vector3d* gradient = nullptr) const;
+  double distance(const Eigen::Vector3d& p, Eigen::Vector3d* gradient = nullptr) const {
+    return gradient != nullptr ? interpolate<true>(p, gradient) : interpolate<false>(p, nullptr);
+  }
 
   /// The exact value f at the node of voxel (i, j, k) (k ignored in the planar case); requires
   /// contains(i, j, k), which says whether it is stored.
@@ -115,6 +117,8 @@ class ClearanceField {
     return static_cast<std::size_t>(nodes_.index({i, j})) * static_cast<std::size_t>(depth_) +
            static_cast<std::size_t>(depth_ == 1 ? 0 : k - k0_);
   }
+  template <bool kGradient>
+  double interpolate(const Eigen::Vector3d& p, Eigen::Vector3d* gradient) const;
   /// The part of the window beyond which f is the same everywhere.
   GridFrame stored_part(const VoxelGrid& voxels, const GroundMap& ground) const;
   void gather(const VoxelGrid& voxels, const GroundMap& ground, const PausePoint& pause);

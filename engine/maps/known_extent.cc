@@ -33,7 +33,7 @@ void KnownExtent::add(int i0, int j0, int i1, int j1) {
   }
 }
 
-KnownExtent::Rectangle KnownExtent::main_cluster() const {
+KnownExtent::Rectangle KnownExtent::main_cluster(const PausePoint& pause) const {
   constexpr int kReach = kGap + 1;
   Blocks left = blocks_;
   Rectangle best{};
@@ -43,6 +43,7 @@ KnownExtent::Rectangle KnownExtent::main_cluster() const {
     left.erase(left.begin());
     long long count = 0;
     for (std::size_t n = 0; n < cluster.size(); ++n) {
+      pause();
       count += cluster[n].second.count;
       const auto [j, i] = cluster[n].first;
       for (int dj = -kReach; dj <= kReach; ++dj) {
@@ -62,10 +63,11 @@ KnownExtent::Rectangle KnownExtent::main_cluster() const {
   return best;
 }
 
-GridFrame KnownExtent::frame(double resolution) const {
+GridFrame KnownExtent::frame(double resolution, const PausePoint& pause) const {
   if (!all_) return {resolution, 0, 0, 0, 0};
   const long long known = static_cast<long long>(blocks_.size()) * kBlock * kBlock;
-  const Rectangle kept = all_->cells() > std::max(kAlways, kTimes * known) ? main_cluster() : *all_;
+  const Rectangle kept =
+      all_->cells() > std::max(kAlways, kTimes * known) ? main_cluster(pause) : *all_;
   return {resolution, static_cast<int>(kept.i0), static_cast<int>(kept.j0),
           static_cast<int>(kept.i1 - kept.i0 + 1), static_cast<int>(kept.j1 - kept.j0 + 1)};
 }

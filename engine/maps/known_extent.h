@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "engine/maps/grid.h"
+#include "engine/support/resumable.h"
 
 namespace prospect {
 
@@ -29,7 +30,7 @@ class KnownExtent {
   /// Cells of the rectangle [i0, i1] x [j0, j1] are known.
   void add(int i0, int j0, int i1, int j1);
   /// Of no width if nothing was added. resolution: of the frame [m].
-  GridFrame frame(double resolution) const;
+  GridFrame frame(double resolution, const PausePoint& pause = {}) const;
 
  private:
   struct Rectangle {
@@ -42,7 +43,7 @@ class KnownExtent {
     long long count = 0;  // how often one was added
   };
   using Blocks = std::map<std::pair<int, int>, Block>;  // by (j, i)
-  Rectangle main_cluster() const;
+  Rectangle main_cluster(const PausePoint& pause) const;
 
   Blocks blocks_;
   Blocks::value_type* newest_ = nullptr;  // of them

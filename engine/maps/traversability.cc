@@ -335,18 +335,19 @@ void Traversability::shut(Cell c, double radius, int times) {
   refresh_factors(cells);
 }
 
-GridFrame Traversability::with_rim(const GroundMap& ground) {
+GridFrame Traversability::with_rim(const GroundMap& ground, const PausePoint& pause) {
   GridFrame frame = ground.frame();
   if (std::int64_t{frame.width} * frame.height > KnownExtent::kAlways) {
     KnownExtent known;
     for (int ty = 0; ty < ground.tiles_y(); ++ty) {
+      pause();
       for (int tx = 0; tx < ground.tiles_x(); ++tx) {
         if (ground.tile_revision(tx, ty) == 0) continue;
         const GridFrame tile = ground.tile_frame(tx, ty);
         known.add(tile.i0, tile.j0, tile.i0 + tile.width - 1, tile.j0 + tile.height - 1);
       }
     }
-    const GridFrame extent = known.frame(frame.resolution);
+    const GridFrame extent = known.frame(frame.resolution, pause);
     if (extent.width > 0) frame = extent;
   }
   frame.i0 -= GroundMap::kTile;
@@ -356,8 +357,8 @@ GridFrame Traversability::with_rim(const GroundMap& ground) {
   return frame;
 }
 
-bool Traversability::continues(const GroundMap& ground) const {
-  return fresh_ || frame_of_both(with_rim(ground), state_.frame).has_value();
+bool Traversability::continues(const GroundMap& ground, const PausePoint& pause) const {
+  return fresh_ || frame_of_both(with_rim(ground, pause), state_.frame).has_value();
 }
 
 // Whether the tile at that cell holds what it did. Of all frames, tiles are whole.
@@ -418,7 +419,7 @@ void Traversability::update(const GroundMap& ground, const Pose* pose, const Pau
   changed_factors_.clear();
   changed_headings_.clear();
   restarted_ = false;
-  const GridFrame needed = with_rim(ground);
+  const GridFrame needed = with_rim(ground, pause);
   const std::optional<GridFrame> both = fresh_ ? std::nullopt : frame_of_both(needed, state_.frame);
   const bool reframed = !both || !(*both == state_.frame);
   if (!both) {

@@ -95,7 +95,7 @@ class Traversability {
   /// computed; else all. pose: of the body now, finite; of use only if its heading matters.
   void update(const GroundMap& ground, const Pose* pose = nullptr, const PausePoint& pause = {});
   /// Whether `ground` can be a later state of the last map (frame_of_both()), or is the first.
-  bool continues(const GroundMap& ground) const;
+  bool continues(const GroundMap& ground, const PausePoint& pause = {}) const;
 
   /// Makes the cells within `radius` [m] of the centre of `c` impassable, whatever the map says: a
   /// gap that could not be passed. Adds them to changed_factors(). A cell that is closed twice must
@@ -164,7 +164,7 @@ class Traversability {
     void add(int i, int j);
     std::int64_t area() const;
   };
-  static GridFrame with_rim(const GroundMap& ground);
+  static GridFrame with_rim(const GroundMap& ground, const PausePoint& pause);
   bool as_before(const GroundMap& ground, Cell tile) const;
   void restart(const GridFrame& frame, const PausePoint& pause);
   void widen(const GridFrame& frame, const PausePoint& pause);

@@ -14,10 +14,11 @@ std::vector<Candidate> evaluate(std::vector<Candidate> candidates, Evaluate what
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     X.col(static_cast<Eigen::Index>(i)) = candidates[i].z;
   }
-  // Whole registers of floats, several to each thread, as the first ones have rays to cast.
+  // Several portions to each thread, as the first ones have rays to cast; of a step with a deadline
+  // such that none takes long.
   const bool may_end = stop.latest() != StopCondition::Clock::time_point::max();
   const StopCondition asked = one_at_a_time(stop);
-  const Eigen::Index portion = with.threads > 1 || may_end ? 8 : X.cols();
+  const Eigen::Index portion = may_end ? 2 : with.threads > 1 ? 8 : X.cols();
   const auto portions = static_cast<int>((X.cols() + portion - 1) / portion);
   std::vector<Evaluation> evaluations(static_cast<std::size_t>(portions));
   const auto evaluate_all = [&] {

@@ -20,7 +20,7 @@ struct CandidateEvaluation {
 /// Those candidates that can be evaluated, with their costs, best first (Candidate::operator<,
 /// equal ones in the order given). Scores choose among seeds, the exact value tells what a plan
 /// costs: where a score cannot be evaluated in single precision, all values are exact. Once a
-/// deadline in `stop` has passed, only the first eight are evaluated, and those that have been
+/// deadline in `stop` has passed, only the first two are evaluated, and those that have been
 /// begun; the rest are left out. Passes on what a term throws. Thread-safety: that of the workers.
 std::vector<Candidate> evaluate(std::vector<Candidate> candidates, Evaluate what,
                                 const CandidateEvaluation& with, const StopCondition& stop = {});

@@ -148,7 +148,7 @@ PolishOutcome polish(std::vector<Candidate>& candidates, const Solver& solver,
   candidates.insert(candidates.end(), std::make_move_iterator(polished.begin()),
                     std::make_move_iterator(polished.end()));
   std::stable_sort(candidates.begin(), candidates.end());
-  evaluate_leading(candidates, evaluation);
+  if (stop() == StopRequest::kNone) evaluate_leading(candidates, evaluation);
   return outcome;
 }
 

@@ -38,7 +38,8 @@ struct PolishOutcome {
 /// whose result is no point of the problem, adds nothing.
 ///
 /// candidates: scored, best first; afterwards best first, the order of what comes first that of
-/// exact costs. stop: asked from one thread at a time.
+/// exact costs. Once `stop` asks to stop nothing more is evaluated: what was only scored then
+/// stands where its score puts it. stop: asked from one thread at a time.
 PolishOutcome polish(std::vector<Candidate>& candidates, const Solver& solver,
                      const PolishOptions& options, const CandidateEvaluation& evaluation,
                      const StopCondition& stop);

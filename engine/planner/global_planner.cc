@@ -55,7 +55,7 @@ WholeMap GlobalPlanner::update(const Belief& belief, const PlannerParameters& pa
                                const LocalTexture* texture, WorkerThreads& workers,
                                const PausePoint& pause) {
   if (!start_) start_ = belief.pose;
-  WholeMap whole{.stamp = belief.stamp};
+  WholeMap whole;
   if (parameters.task.kind == TaskKind::kExplore) {
     whole.global_plan =
         explore(belief, parameters, frontier_stamp, activity, texture, workers, pause);

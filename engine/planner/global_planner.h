@@ -21,7 +21,6 @@ struct WholeMap {
   std::shared_ptr<const GlobalPlan> global_plan{};
   std::optional<FrontierFacts> frontiers{};  ///< of the task to explore
   std::optional<GoalFacts> goal{};           ///< of one that leads to a place
-  double stamp = 0.0;                        ///< of its belief [s]
 };
 
 /// The global plan of whatever the robot is told: towards frontiers, to a goal, back to where it

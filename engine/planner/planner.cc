@@ -128,7 +128,32 @@ std::string unusable(const Belief& belief) {
   if (!is_finite(belief.twist)) return "the velocity is not finite";
   if (belief.command && !is_finite(*belief.command)) return "the command in force is not finite";
   if (!std::isfinite(belief.stamp)) return "the stamp is not finite";
+  const double voxels = belief.voxels->resolution(), ground = belief.ground->frame().resolution;
+  if (voxels != ground) {
+    return formatted("the voxels are of %.4g m and the ground map of %.4g m; expected the same",
+                     voxels, ground);
+  }
   return "";
+}
+
+/// How much older than the belief the newest whole result is [s].
+template <typename T>
+double age(const Belief& belief, const Resumed<T>& work) {
+  return std::max(0.0, belief.stamp - work.stamp());
+}
+
+/// Adds what is old for want of time. prepared: how old the belief is that was prepared from [s].
+void tell_age(double prepared, Plan& plan) {
+  std::string old;
+  const auto tell_one = [&](const char* what, double age) {
+    old += formatted("%s%s of %.1f s ago", old.empty() ? "" : ", ", what, age);
+  };
+  if (plan.age.global_plan > prepared) {
+    tell_one(plan.goal ? "the path" : "the target", plan.age.global_plan);
+  }
+  if (plan.age.landmarks > prepared) tell_one("the landmarks", plan.age.landmarks);
+  if (plan.age.clearance > 0.0) tell_one("the distances to obstacles", plan.age.clearance);
+  if (!old.empty()) plan.why += " There was no time for newer ones than " + old + '.';
 }
 
 /// What the robot did since frontiers were last looked at, over several steps.
@@ -169,6 +194,12 @@ class Reserve {
   bool begun_ = false;
 };
 
+/// The share of making and scoring its seeds that no step should be without: eight of them.
+double share_of_first_seeds(int scored) {
+  constexpr int kFew = 8;
+  return std::min(1.0, double{kFew} / std::max(1, scored));
+}
+
 /// The time of a step and how it is shared out: what grows with the map is continued in the next
 /// step when its share is over, what does not comes after it.
 class StepTime {
@@ -188,20 +219,36 @@ class StepTime {
   }
   /// The same of distances to obstacles, from now on.
   Clock::time_point clearance(bool has_earlier) const {
-    return std::max(at(has_earlier ? 0.3 : kAlone), later(kLeast));
+    return std::max(at(has_earlier ? 0.3 : kAlone),
+                    from_now(std::max(kLeast, kClearance * seconds_)));
+  }
+  /// What of the time that they took [s] is theirs in each step.
+  double of_clearance(double took) const { return std::min(took, kClearance * seconds_); }
+  /// When no more lines of sight are taken over from the step before, from now on.
+  Clock::time_point sights() const { return from_now(0.1 * seconds_); }
+  /// Makes seeds until half the time is over that `stop` leaves for making and scoring them.
+  StopCondition seeds(const StopCondition& stop) const {
+    if (!(seconds_ > 0.0)) return {};
+    const auto now = Clock::now();
+    const auto half = now + (std::max(now, stop.latest()) - now) / 2;
+    return StopCondition(
+        [half] { return Clock::now() < half ? StopRequest::kNone : StopRequest::kDeadline; });
   }
   /// Whether there is time for what comes after them, or as much as there will be.
   bool suffices() const { return !(seconds_ > 0.0) || Clock::now() <= at(std::max(0.3, left())); }
 
  private:
   static constexpr double kAlone = 0.9;
-  static constexpr double kLeast = 1e-3;  // [s]: so that each step gets on
+  static constexpr double kClearance = 0.2;
+  static constexpr double kLeast = 5e-4;  // [s]: so that each step gets on
   double left() const { return 0.95 - after_ / seconds_; }
   Clock::time_point at(double share) const {
     if (!(seconds_ > 0.0)) return Clock::time_point::max();
     return begun_ + duration(std::max(kLeast, share * seconds_));
   }
-  Clock::time_point later(double seconds) const { return Clock::now() + duration(seconds); }
+  Clock::time_point from_now(double seconds) const {
+    return seconds_ > 0.0 ? Clock::now() + duration(seconds) : Clock::time_point::max();
+  }
   static Clock::duration duration(double seconds) {
     return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
   }
@@ -268,12 +315,14 @@ struct Planner::Impl {
   double last_stamp = 0.0;             // [s]
   std::optional<Plan> last_certified;  // its motion alone: what a stop follows
   Reserve reserve;                     // of the certificate, where there is a deadline
-  Reserve problem_reserve{0.5 * parameters.deadline};  // of problem, seeds and certificate
-  StopCondition cancelled;                             // of each step
+  // Of distances to obstacles, views, the first seeds and the certificate.
+  Reserve problem_reserve{0.5 * parameters.deadline};
+  StopCondition cancelled;  // of each step
   FrontierActivity activity;
   bool attended = true;                     // frontiers have been looked at with it
   std::string refused;                      // newest Plan::refused
-  std::optional<WholeMap> prepared;         // since the last step; none: to be made in the step
+  bool prepared = false;                    // the whole map of the next step is made
+  std::optional<double> prepares;           // stamp of the belief of prepare() since the last step
   bool of_frontiers = false;                // what map_work has begun last
   bool told = true;                         // a step has told what changed in the newest whole map
   std::shared_ptr<const CostToGo> retreat;  // of the last step that had one
@@ -293,14 +342,16 @@ struct Planner::Impl {
                        parameters.solver_options, shares_threads(*solver)} {}
 
   void prepare(const Belief& given);
+  bool go_on(double seconds);
   Plan plan(const Belief& given, const StopCondition& stop);
   /// step_landmarks(), as of this belief or, where there is no time, an earlier one; null: nor is
   /// there such.
   std::shared_ptr<const StepLandmarks> landmarks(const Belief& belief, StepTime::Clock::time_point);
-  /// GlobalPlanner::update(), likewise; whether it is as of this belief. What it throws leaves
-  /// nothing half learned.
+  /// GlobalPlanner::update(), likewise; whether it is as of this belief.
   bool update_whole_map(const Belief& belief, std::shared_ptr<const StepLandmarks> landmarks,
                         StepTime::Clock::time_point until);
+  /// go_on(), works on map_work. What that throws leaves nothing half learned.
+  bool go_on_with_whole_map(const std::function<bool()>& go_on);
   /// The mode whose policy this step follows; task, mode and safety level of the plan. None: there
   /// is no whole map yet.
   std::optional<ModeKind> update_mode(const Belief& belief,
@@ -312,7 +363,11 @@ struct Planner::Impl {
   void specify(const Belief& belief, ModeKind mode, const StepLandmarks& landmarks,
                StepInTheMaking& making);
   /// update_clearance(), as of this step or an earlier one; false: there is none yet.
-  bool take_clearance(const StepTime& time, StepInTheMaking& making);
+  bool take_clearance(const Belief& belief, const StepTime& time, StepInTheMaking& making);
+  /// Seeds of the problem, best first; without the added terms that fail at one.
+  std::vector<Candidate> scored_seeds(const Belief& belief, ModePolicy::Seeds wanted,
+                                      const StepTime& time, const StopCondition& stop,
+                                      StepInTheMaking& making, std::vector<FailedTerm>& failed);
   SeedContext seed_context(const Belief& belief, const StepInTheMaking& making) const;
   void remember(const Plan& plan, StepInTheMaking&& making);
   /// planner_misfit() with maps of that resolution [m].
@@ -334,18 +389,34 @@ struct Planner::Impl {
 };
 
 void Planner::Impl::prepare(const Belief& given) {
-  prepared.reset();
+  prepared = false;
+  prepares.reset();
   if (parameters.task.kind != TaskKind::kExplore || !unusable(given).empty()) return;
   const StepTime time(parameters.deadline, 0.0);
   const std::shared_ptr<const StepLandmarks> seen =
       landmarks(given, time.landmarks(landmark_work.newest().has_value()));
   if (!seen) return;
-  if (update_whole_map(given, seen, time.global_plan(true))) prepared = *map_work.newest();
+  prepares = given.stamp;
+  prepared = update_whole_map(given, seen, time.global_plan(true));
+}
+
+bool Planner::Impl::go_on(double seconds) {
+  const StepTime::Clock::time_point until =
+      StepTime::Clock::now() + std::chrono::duration_cast<StepTime::Clock::duration>(
+                                   std::chrono::duration<double>(std::clamp(seconds, 0.0, 1e6)));
+  landmark_work.go_on(until);
+  clearance_work.go_on(until);
+  if (map_work.busy()) {
+    const bool made = go_on_with_whole_map([&] { return map_work.go_on(until); });
+    prepared = made && prepares && map_work.stamp() == *prepares;
+  }
+  return landmark_work.busy() || clearance_work.busy() || map_work.busy();
 }
 
 std::shared_ptr<const StepLandmarks> Planner::Impl::landmarks(const Belief& belief,
                                                               StepTime::Clock::time_point until) {
   landmark_work.update(
+      belief.stamp,
       [this, belief](const PausePoint& pause) {
         return std::make_shared<const StepLandmarks>(
             step_landmarks(robot, parameters, belief, pause));
@@ -367,8 +438,12 @@ bool Planner::Impl::update_whole_map(const Belief& given, std::shared_ptr<const 
     told = false;
     return whole;
   };
+  return go_on_with_whole_map([&] { return map_work.update(given.stamp, make, until); });
+}
+
+bool Planner::Impl::go_on_with_whole_map(const std::function<bool()>& go_on) {
   try {
-    return map_work.update(make, until);
+    return go_on();
   } catch (...) {
     map_work.give_up();
     global_planner.restart(parameters.frontier_planner);
@@ -393,6 +468,7 @@ Plan Planner::Impl::plan(const Belief& given, const StopCondition& asked) {
   if (const std::string& why = misfit_with(given.voxels->resolution()); !why.empty()) {
     return brake(given, PlanFault::kMisfit, "planning is impossible: " + why);
   }
+  const std::optional<double> prepared_from = std::exchange(prepares, std::nullopt);
   // Of a step that fails, what is only kept to save time is forgotten, too.
   StepInTheMaking making{.evaluators = std::move(evaluators)};
   Plan plan;
@@ -410,6 +486,7 @@ Plan Planner::Impl::plan(const Belief& given, const StopCondition& asked) {
   };
   if (!seen) return unfinished("the landmarks");
   belief.landmarks = seen->usable;
+  plan.age.landmarks = age(given, landmark_work);
   plan.landmarks_dropped = seen->dropped;
   plan.landmark_fault = seen->fault;
 
@@ -420,29 +497,23 @@ Plan Planner::Impl::plan(const Belief& given, const StopCondition& asked) {
   plan.times.frontier_planner = watch.lap();
 
   // Problem.
-  Stopwatch after;
+  ProcessorStopwatch work;  // of this thread: what the rest takes where nothing else keeps it busy
   specify(belief, mode, *seen, making);
   ProblemSpecification& specification = *making.specification;
   plan.times.views = watch.lap();
-  if (!take_clearance(time, making)) return unfinished("the distances to obstacles");
+  if (!take_clearance(belief, time, making)) return unfinished("the distances to obstacles");
+  plan.age.clearance = age(given, clearance_work);
   plan.times.clearance = watch.lap();
-  update_views(specification, making.evaluators);
+  update_views(specification, making.evaluators, time.sights());
   making.visibility = making.evaluators.prediction->probabilities(belief.pose);
   plan.times.views += watch.lap();
+  const double views_took = work.lap();
   std::vector<FailedTerm> failed = make_added_terms(specification, making.evaluators);
   making.problem = assemble_problem(specification, making.evaluators);
 
   // Seeds.
   const ModePolicy::Seeds wanted = policy(mode).seeds;
-  const std::vector<Seed> made = make_seeds(*making.problem, seed_context(belief, making), wanted,
-                                            kTurnsWithin * parameters.task.goal.position_tolerance);
-  if (const std::vector<FailedTerm> more = try_added_terms(specification, making.evaluators, made);
-      !more.empty()) {
-    failed.insert(failed.end(), more.begin(), more.end());
-    making.problem = assemble_problem(specification, making.evaluators);
-  }
-  std::vector<Candidate> candidates =
-      evaluate(candidates_of(made), Evaluate::kScore, evaluation(making), stop);
+  std::vector<Candidate> candidates = scored_seeds(belief, wanted, time, stop, making, failed);
   if (mode == ModeKind::kExplore && belief.localization != Localization::kLost) {
     bound_features(making, candidates);
   }
@@ -451,6 +522,7 @@ Plan Planner::Impl::plan(const Belief& given, const StopCondition& asked) {
   plan.seeds_scored = static_cast<int>(candidates.size());
   plan.counters.cost_evaluations = plan.seeds_scored;
   plan.times.seeds = watch.lap();
+  const double seeds_took = work.lap();
 
   // Solve.
   if (wanted == ModePolicy::Seeds::kAll) {
@@ -467,6 +539,7 @@ Plan Planner::Impl::plan(const Belief& given, const StopCondition& asked) {
               [](const Candidate& a, const Candidate& b) { return a.rank < b.rank; });
   }
   plan.times.polish = watch.lap();
+  work.lap();
 
   // Certificate.
   const int committed =
@@ -479,6 +552,7 @@ Plan Planner::Impl::plan(const Belief& given, const StopCondition& asked) {
     brake_instead(belief, plan);
   }
   tell_unknown_place(belief, parameters, plan);
+  tell_age(prepared_from ? std::max(0.0, given.stamp - *prepared_from) : 0.0, plan);
   tell(failed, plan);
   if (outer() == StopRequest::kCancelled) {
     plan.stop = StopReason::kCancelled;
@@ -486,8 +560,11 @@ Plan Planner::Impl::plan(const Belief& given, const StopCondition& asked) {
     plan.stop = StopReason::kNumericalTrouble;  // a solver ended that nobody had cancelled
   }
   plan.times.certify = watch.lap();
-  reserve.add(1e-3 * plan.times.certify);
-  problem_reserve.add(1e-3 * (after.lap() - plan.times.polish));
+  const double certificate_took = work.lap();
+  reserve.add(1e-3 * certificate_took);
+  problem_reserve.add(time.of_clearance(1e-3 * plan.times.clearance) +
+                      1e-3 * (views_took + share_of_first_seeds(plan.seeds_scored) * seeds_took +
+                              certificate_took));
 
   remember(plan, std::move(making));
   plan.times.total = total.lap();
@@ -512,8 +589,8 @@ std::optional<ModeKind> Planner::Impl::update_mode(const Belief& belief,
                              .blocked = monitors.blocked()};
   activity = attended ? now : over_both(activity, now);
   attended = false;
-  bool fresh = true;
-  if (!prepared) {
+  bool fresh = std::exchange(prepared, false);
+  if (!fresh) {
     const bool has_earlier = map_work.newest().has_value();
     fresh = update_whole_map(belief, seen, time.global_plan(has_earlier));
     if (!map_work.newest() || (!has_earlier && !time.suffices())) return std::nullopt;
@@ -527,10 +604,6 @@ std::optional<ModeKind> Planner::Impl::update_mode(const Belief& belief,
   plan.safety_level = safety_level;
   plan.why = describe(behaviour.mode, facts);
   plan.has_active_frontier = making.global_plan->target.has_value();
-  if (!fresh) {
-    plan.why += formatted(" The %s is that of %.1f s ago: there was no time for a newer one.",
-                          facts.goal ? "path" : "target", plan.global_plan_age);
-  }
   if (facts.goal && facts.goal->reached) plan.heading_missed = facts.goal->heading_missed;
   if (behaviour.mode.kind != ModeKind::kDone) return behaviour.mode.kind;
   // A robot that is done has no target any more, but a retreat or a turn goes on.
@@ -539,11 +612,11 @@ std::optional<ModeKind> Planner::Impl::update_mode(const Belief& belief,
 
 void Planner::Impl::take_whole_map(const Belief& belief, bool fresh, Facts& facts, Plan& plan,
                                    StepInTheMaking& making) {
-  WholeMap whole = prepared ? *std::exchange(prepared, std::nullopt) : *map_work.newest();
-  making.global_plan = std::move(whole.global_plan);
-  facts.frontiers = std::move(whole.frontiers);
-  facts.goal = std::move(whole.goal);
-  plan.global_plan_age = belief.stamp - whole.stamp;
+  const WholeMap& whole = *map_work.newest();
+  making.global_plan = whole.global_plan;
+  facts.frontiers = whole.frontiers;
+  facts.goal = whole.goal;
+  plan.age.global_plan = age(belief, map_work);
   if (std::exchange(told, true) && facts.frontiers) facts.frontiers->changed = TargetChange::kNone;
   // The arrival is judged where the robot is.
   if (!fresh && facts.goal) {
@@ -567,11 +640,13 @@ void Planner::Impl::specify(const Belief& belief, ModeKind mode, const StepLandm
   making.num_mapped = made.num_mapped;
 }
 
-bool Planner::Impl::take_clearance(const StepTime& time, StepInTheMaking& making) {
+bool Planner::Impl::take_clearance(const Belief& belief, const StepTime& time,
+                                   StepInTheMaking& making) {
   ClearanceEvaluators& now = making.evaluators;
   const bool has_earlier = clearance_work.newest().has_value();
   if (has_earlier && now.occupied == nullptr) now = *clearance_work.newest();
   clearance_work.update(
+      belief.stamp,
       [specification = making.specification, before = now](const PausePoint& pause) {
         ClearanceEvaluators made = before;
         update_clearance(*specification, made, pause);
@@ -581,6 +656,23 @@ bool Planner::Impl::take_clearance(const StepTime& time, StepInTheMaking& making
   if (!clearance_work.newest() || (!has_earlier && !time.suffices())) return false;
   now = *clearance_work.newest();
   return true;
+}
+
+std::vector<Candidate> Planner::Impl::scored_seeds(const Belief& belief, ModePolicy::Seeds wanted,
+                                                   const StepTime& time, const StopCondition& stop,
+                                                   StepInTheMaking& making,
+                                                   std::vector<FailedTerm>& failed) {
+  SeedContext context = seed_context(belief, making);
+  context.stop = time.seeds(stop);
+  const std::vector<Seed> made = make_seeds(*making.problem, std::move(context), wanted,
+                                            kTurnsWithin * parameters.task.goal.position_tolerance);
+  if (const std::vector<FailedTerm> more =
+          try_added_terms(*making.specification, making.evaluators, made);
+      !more.empty()) {
+    failed.insert(failed.end(), more.begin(), more.end());
+    making.problem = assemble_problem(*making.specification, making.evaluators);
+  }
+  return evaluate(candidates_of(made), Evaluate::kScore, evaluation(making), stop);
 }
 
 SeedContext Planner::Impl::seed_context(const Belief& belief, const StepInTheMaking& making) const {
@@ -663,7 +755,7 @@ void Planner::Impl::use_zones(const Zones& given) {
   parameters.zones = given;
   zones = zone_map_of(given);
   certifier.set_zones(zones);
-  prepared.reset();
+  prepared = false;
   map_work.give_up();
   clearance_work.give_up();
   parameters.frontier_planner.traversability.zones = zones;
@@ -680,7 +772,7 @@ void Planner::Impl::use_task(const Task& task) {
     map_work.give_up();
   }
   parameters.task = task;
-  prepared.reset();
+  prepared = false;
   clock.restart();
   global_planner.restart_task();
   if (!other_area) return;
@@ -698,7 +790,15 @@ void Planner::prepare(const Belief& belief) {
     impl_->prepare(belief);
   } catch (...) {
     // plan() meets the same and tells it.
-    impl_->prepared.reset();
+    impl_->prepared = false;
+  }
+}
+
+bool Planner::go_on(double seconds) {
+  try {
+    return impl_->go_on(seconds);
+  } catch (...) {
+    return false;  // plan() begins it anew, and tells what is wrong
   }
 }
 

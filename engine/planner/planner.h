@@ -162,12 +162,13 @@ void describe(Knobs& knobs, PlannerParameters& parameters);
 /// arrival is judged where the robot is. Another task or other zones drop what was prepared.
 ///
 /// Deadline. PlannerParameters::deadline is that of plan(), and of prepare(). What takes the longer
-/// the more is known of the world, landmarks, frontiers and the path, is continued in the next step
-/// when its share of the time is over (support/resumed.h). Until then the last whole result serves:
-/// Plan::global_plan_age says how old it is. Before the first there is none, and the step is a stop
-/// (PlanFault::kUnfinished). The seeds are scored in portions of eight, the shifted previous plan
-/// in the first, until the time is up that is left beside the certificate; then polishing ends;
-/// then one candidate is certified.
+/// the more is known of the world, landmarks, frontiers, the path, and distances to obstacles, is
+/// continued in the next step when its share of the time is over (support/resumed.h), and by
+/// go_on() before. Until then the last whole result serves: Plan::age says how old it is. Before
+/// the first there is none, and the step is a stop (PlanFault::kUnfinished). Lines of sight of the
+/// step before are taken over for a tenth of the time; what is not is cast again. Seeds, the
+/// shifted previous plan first, are made for half of what is left beside the certificate, and
+/// scored two at a time until it is over; then polishing ends; then one candidate is certified.
 ///
 /// Terms from outside (PlannerParameters::terms) are made and tried at each step; one that cannot
 /// be made, or evaluated at any seed, is left out of the step, and the plan's `detail` says so.
@@ -186,6 +187,7 @@ class Planner final : public Replanner {
   Planner& operator=(const Planner&) = delete;
 
   void prepare(const Belief& belief) override;
+  bool go_on(double seconds) override;
   Plan plan(const Belief& belief) override { return plan(belief, {}); }
   /// The same; polishing also ends when `stop` says so, and by a deadline in it scoring.
   Plan plan(const Belief& belief, const StopCondition& stop);

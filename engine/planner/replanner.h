@@ -26,6 +26,10 @@ class Replanner {
   /// new as there is. A robot that is driving calls it while the plan before is still being driven;
   /// then the next plan is there sooner. Nobody has to call it.
   virtual void prepare(const Belief& /*belief*/) {}
+  /// Goes on with what prepare() or plan() had no time to finish, for that long at most [s], so
+  /// that the next plan() goes by what is newer. Returns whether there is more to do. A robot that
+  /// is driving calls it where it would wait otherwise. Never throws.
+  virtual bool go_on(double /*seconds*/) { return false; }
   virtual Plan plan(const Belief& belief) = 0;
   /// The frontiers at the last plan(); null before the first, and after one that met none.
   virtual std::shared_ptr<const GlobalPlan> global_plan() const = 0;

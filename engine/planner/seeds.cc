@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <utility>
 
 #include "engine/planner/descent_path.h"
 #include "engine/problem/admissible_inputs.h"
@@ -189,15 +190,34 @@ Seed stop_seed(const Problem& problem) {
   return {"stop", roll(problem, [](double, const Pose&) { return Twist{}; }), true};
 }
 
+/// Seeds in the order in which they are added, while there is time.
+class SeedList {
+ public:
+  SeedList(const Problem& problem, const StopCondition& stop) : problem_(problem), stop_(stop) {}
+
+  void add(const std::string& name, const Law& law) {
+    if (seeds_.empty() || stop_() == StopRequest::kNone) {
+      seeds_.push_back({name, roll(problem_, law)});
+    }
+  }
+  void add(Seed seed) { seeds_.push_back(std::move(seed)); }
+  std::vector<Seed> and_stop() && {
+    seeds_.push_back(stop_seed(problem_));
+    return std::move(seeds_);
+  }
+
+ private:
+  const Problem& problem_;
+  const StopCondition& stop_;
+  std::vector<Seed> seeds_;
+};
+
 }  // namespace
 
 std::vector<Seed> make_seeds(const Problem& problem, const SeedContext& context) {
   const ProblemDefinition& d = problem.definition();
   const Laws laws(problem, context);
-  std::vector<Seed> seeds;
-  const auto add = [&](const std::string& name, const Law& law) {
-    seeds.push_back({name, roll(problem, law)});
-  };
+  SeedList seeds(problem, context.stop);
 
   if (context.previous.cols() > 0) {
     Eigen::MatrixXd inputs(d.N, d.model->nu());
@@ -205,42 +225,38 @@ std::vector<Seed> make_seeds(const Problem& problem, const SeedContext& context)
     for (int k = 0; k < d.N; ++k) {
       inputs.row(k) = context.previous.col(std::min<Eigen::Index>(k, last)).transpose();
     }
-    seeds.push_back({"previous", admissible_inputs(problem, problem.knots_from_inputs(inputs))});
+    seeds.add({"previous", admissible_inputs(problem, problem.knots_from_inputs(inputs))});
   }
   const double horizon = d.N * d.dt;
-  add("follow", laws.follow(1.0));
-  add("follow slowly", laws.follow(0.5));
-  add("follow and look left", laws.follow_then_look(0.5 * horizon, 0.8));
-  add("follow and look right", laws.follow_then_look(0.5 * horizon, -0.8));
+  seeds.add("follow", laws.follow(1.0));
+  seeds.add("follow slowly", laws.follow(0.5));
+  seeds.add("follow and look left", laws.follow_then_look(0.5 * horizon, 0.8));
+  seeds.add("follow and look right", laws.follow_then_look(0.5 * horizon, -0.8));
   for (const double speed : {1.0, 0.5}) {
     for (const double turn : {0.0, 0.3, -0.3, 0.6, -0.6, 1.0, -1.0}) {
-      add("arc", laws.constant(speed, turn));
+      seeds.add("arc", laws.constant(speed, turn));
     }
   }
-  for (const double turn : {1.0, -1.0, 0.5, -0.5}) add("turn", laws.constant(0.0, turn));
+  for (const double turn : {1.0, -1.0, 0.5, -0.5}) seeds.add("turn", laws.constant(0.0, turn));
   if (context.target) {
     const auto observation = towards(context.target->looks_at);
     const auto go = towards(context.target->viewpoint);
-    add("face", laws.turn_then_go(observation, 0.0));
-    add("face and go", laws.turn_then_go(observation, 0.7));
-    add("turn and go", laws.turn_then_go(go, 1.0));
-    if (d.model->nu() > 2) add("strafe", laws.strafe(observation));
+    seeds.add("face", laws.turn_then_go(observation, 0.0));
+    seeds.add("face and go", laws.turn_then_go(observation, 0.7));
+    seeds.add("turn and go", laws.turn_then_go(go, 1.0));
+    if (d.model->nu() > 2) seeds.add("strafe", laws.strafe(observation));
   }
   if (context.backwards) {
-    add("back", laws.constant(-0.5, 0.0));
-    add("follow backwards", laws.back_off(1.0));
-    add("follow backwards slowly", laws.back_off(0.4));
+    seeds.add("back", laws.constant(-0.5, 0.0));
+    seeds.add("follow backwards", laws.back_off(1.0));
+    seeds.add("follow backwards slowly", laws.back_off(0.4));
   }
-  seeds.push_back(stop_seed(problem));
-  return seeds;
+  return std::move(seeds).and_stop();
 }
 
 std::vector<Seed> make_approach_seeds(const Problem& problem, const SeedContext& context) {
   const Laws laws(problem, context);
-  std::vector<Seed> seeds;
-  const auto add = [&](const std::string& name, const Law& law) {
-    seeds.push_back({name, roll(problem, law)});
-  };
+  SeedList seeds(problem, context.stop);
   if (context.target) {
     const Pose pose = problem.definition().model->pose(problem.definition().x0);
     const double distance = (context.target->viewpoint - pose.position.head<2>()).norm();
@@ -249,10 +265,10 @@ std::vector<Seed> make_approach_seeds(const Problem& problem, const SeedContext&
       constexpr double kRoomy = 0.5;       // [m] clearance of a point that is left where it is
       constexpr double kOffMiddle = 0.15;  // [m] that one is moved
       const DescentPath path(*context.cost_to_go, pose.position.head<2>(), kLength);
-      add("approach: go", laws.pursue(path, 0.5, 0.5));
+      seeds.add("approach: go", laws.pursue(path, 0.5, 0.5));
       // Looking less far ahead cuts corners less: what gets through narrow gaps.
-      add("approach: go closely", laws.pursue(path, 0.3, 0.2));
-      add("approach: go slowly", laws.follow(0.25));
+      seeds.add("approach: go closely", laws.pursue(path, 0.3, 0.2));
+      seeds.add("approach: go slowly", laws.follow(0.25));
       // Where the robot stands beside the middle of a gap, no arc ahead leads into it.
       DescentPath middle = path;
       if (context.clearance != nullptr) {
@@ -261,36 +277,31 @@ std::vector<Seed> make_approach_seeds(const Problem& problem, const SeedContext&
       const auto along = [&](const Pose& p) {
         return middle.heading(p.position.head<2>(), 0.1, p.yaw);
       };
-      add("approach: turn and go", laws.turn_then_go(along, 0.2, 0.1));
-      if (context.backwards) add("approach: go backwards", laws.back_off(0.4));
+      seeds.add("approach: turn and go", laws.turn_then_go(along, 0.2, 0.1));
+      if (context.backwards) seeds.add("approach: go backwards", laws.back_off(0.4));
     }
-    add("approach: face", laws.turn_then_go(towards(context.target->looks_at), 0.0));
+    seeds.add("approach: face", laws.turn_then_go(towards(context.target->looks_at), 0.0));
   } else {
-    add("turn around", laws.constant(0.0, 1.0));
+    seeds.add("turn around", laws.constant(0.0, 1.0));
   }
-  seeds.push_back(stop_seed(problem));
-  return seeds;
+  return std::move(seeds).and_stop();
 }
 
 std::vector<Seed> make_arrival_seeds(const Problem& problem, const SeedContext& context,
                                      double there) {
   const Laws laws(problem, context);
-  std::vector<Seed> seeds;
-  const auto add = [&](const std::string& name, const Law& law) {
-    seeds.push_back({name, roll(problem, law)});
-  };
+  SeedList seeds(problem, context.stop);
   if (context.target) {
     const Eigen::Vector2d goal = context.target->viewpoint;
     const double yaw = context.target->yaw;
-    add("arrive", laws.arrive(goal, yaw, there, 0.5));
-    add("arrive: slowly", laws.arrive(goal, yaw, there, 0.2));
+    seeds.add("arrive", laws.arrive(goal, yaw, there, 0.5));
+    seeds.add("arrive: slowly", laws.arrive(goal, yaw, there, 0.2));
     const Pose pose = problem.definition().model->pose(problem.definition().x0);
     const DescentPath path(*context.cost_to_go, pose.position.head<2>(), 1.0);
-    add("arrive: along the way", laws.pursue(path, 0.3, 0.2));
-    add("arrive: turn", laws.turn_then_go([yaw](const Pose&) { return yaw; }, 0.0));
+    seeds.add("arrive: along the way", laws.pursue(path, 0.3, 0.2));
+    seeds.add("arrive: turn", laws.turn_then_go([yaw](const Pose&) { return yaw; }, 0.0));
   }
-  seeds.push_back(stop_seed(problem));
-  return seeds;
+  return std::move(seeds).and_stop();
 }
 
 std::vector<Seed> make_stop_seeds(const Problem& problem) { return {stop_seed(problem)}; }

@@ -11,6 +11,7 @@
 #include "engine/maps/body_clearance.h"
 #include "engine/maps/clearance_field.h"
 #include "engine/problem/problem.h"
+#include "engine/problem/stop_condition.h"
 
 namespace prospect {
 
@@ -35,6 +36,8 @@ struct SeedContext {
   double known_margin = 0.0;  ///< of that constraint [m]
   /// Drive backwards, too: for bases that can, whose body is too long to turn everywhere.
   bool backwards = false;
+  /// Once it asks to stop no more are made than one, and the one that stops.
+  StopCondition stop{};
 };
 
 /// Starts that between them reach the basins worth polishing: the shifted previous plan, the path

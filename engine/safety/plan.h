@@ -49,6 +49,16 @@ struct PlanTimes {
   double total = 0.0;
 };
 
+/// How much older than the plan the beliefs are [s] that its parts are of. What a deadline leaves
+/// no time to make anew is that of an earlier step; frontiers may be of prepare()'s belief, too. 0:
+/// of the plan's own. All other parts, the views and the certificate among them, are always its
+/// own.
+struct PlanAge {
+  double landmarks = 0.0;    ///< that were chosen, and the texture around
+  double global_plan = 0.0;  ///< frontiers, or the path to the goal, and the cost-to-go
+  double clearance = 0.0;    ///< distances to obstacles of the problem
+};
+
 /// What became of a candidate.
 struct Verdict {
   enum class Kind { kNotTried, kExecuted, kRefused };
@@ -127,10 +137,8 @@ struct Plan {
   std::vector<PlanCandidate> candidates;
 
   bool has_active_frontier = false;  ///< some active frontier is reachable
-  /// [s] since the belief that frontiers, or the way to the goal, are of; above 0 after prepare(),
-  /// and where the deadline left no time for newer ones.
-  double global_plan_age = 0.0;
-  std::string detail;  ///< why it is a stop, in one sentence
+  PlanAge age;                       ///< of what is not made from its belief; `why` tells it, too
+  std::string detail;                ///< why it is a stop, in one sentence
   /// Landmarks of the belief that could not be used and were left out, and the first fault of the
   /// landmark map, empty if there is none (usable_landmarks.h).
   int landmarks_dropped = 0;

@@ -95,18 +95,19 @@ void update_clearance(const ProblemSpecification& specification, ClearanceEvalua
       std::make_shared<const BodyClearance>(evaluators.known, specification.robot.shape);
 }
 
-void update_views(const ProblemSpecification& specification, CachedEvaluators& evaluators) {
+void update_views(const ProblemSpecification& specification, CachedEvaluators& evaluators,
+                  OcclusionTable::Clock::time_point take_over_until) {
   require(specification.robot.model != nullptr, "motion model");
   require(specification.voxels != nullptr, "voxels");
   evaluators.landmark_table = std::make_shared<const OcclusionTable>(
       specification.landmark_lattice, positions(specification.landmarks), specification.voxels,
-      specification.landmark_occlusion, evaluators.landmark_table.get());
+      specification.landmark_occlusion, evaluators.landmark_table.get(), take_over_until);
   evaluators.prediction = std::make_shared<const VisibilityPrediction>(
       specification.landmarks, specification.robot.stereo, specification.robot.stereo_mount,
       evaluators.landmark_table, specification.visibility);
   evaluators.target_table = std::make_shared<const OcclusionTable>(
       specification.target_lattice, specification.targets.positions(), specification.voxels,
-      specification.target_occlusion, evaluators.target_table.get());
+      specification.target_occlusion, evaluators.target_table.get(), take_over_until);
   evaluators.gain = std::make_shared<const ExplorationGain>(
       specification.targets, specification.robot.depth, specification.robot.depth_mount,
       evaluators.target_table, specification.gain,

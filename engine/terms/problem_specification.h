@@ -113,7 +113,9 @@ struct CachedEvaluators : ClearanceEvaluators {
 /// its value and what was expected.
 void update_clearance(const ProblemSpecification& specification, ClearanceEvaluators& evaluators,
                       const PausePoint& pause = {});
-void update_views(const ProblemSpecification& specification, CachedEvaluators& evaluators);
+void update_views(
+    const ProblemSpecification& specification, CachedEvaluators& evaluators,
+    OcclusionTable::Clock::time_point take_over_until = OcclusionTable::Clock::time_point::max());
 void update_added_terms(const ProblemSpecification& specification, CachedEvaluators& evaluators);
 std::shared_ptr<const Problem> assemble_problem(const ProblemSpecification& specification,
                                                 CachedEvaluators& evaluators);

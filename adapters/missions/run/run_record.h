@@ -124,6 +124,7 @@ struct StepRecord {
     double plan = 0.0, frontier_planner = 0.0, clearance = 0.0, views = 0.0, seeds = 0.0,
            polish = 0.0, certify = 0.0;
   } wall;
+  PlanAge age;  ///< of what the plan took from earlier beliefs
 };
 
 /// Results of a whole mission; the names are those of summary.json. NaN: never reached, or a share

@@ -288,6 +288,7 @@ StepRecord RunRecorder::Impl::record_of(const MissionStep& step) {
   if (step.guard_stops > 0) r.guard_reason = step.guard_reason;
   r.wall = {plan.times.total, plan.times.frontier_planner, plan.times.clearance, plan.times.views,
             plan.times.seeds, plan.times.polish,           plan.times.certify};
+  r.age = plan.age;
   if (step.global_plan) {
     std::size_t cells = 0;
     for (const Frontier& f : step.global_plan->frontiers) cells += f.active ? f.cells.size() : 0;

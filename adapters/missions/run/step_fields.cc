@@ -180,6 +180,11 @@ constexpr std::string_view kTruePose =
                            kEstimatedPose = "pose that the robot believes",
                            kFirstCommand = "the first command of the plan, in the body frame",
                            kOfTheSolve = "evaluations of this step's solve",
+                           kAge =
+                               "how much older than the plan the belief is of which it has its "
+                               "landmarks, frontiers and cost-to-go, distances to obstacles: "
+                               "0 but where there was no time for newer ones, or frontiers "
+                               "were prepared",
                            kGoalPose =
                                "where to, empty if it leads nowhere or, of the yaw, if any will do",
                            kTargetPlace =
@@ -323,6 +328,9 @@ constexpr StepField kStepFields[] = {
           [](auto& s) { return &s.wall.polish; }),
     field("certify_ms", "ms", kTimed, 48, "time for the certificate",
           [](auto& s) { return &s.wall.certify; }),
+    field("landmarks_age", "s", kTimed, 59, kAge, [](auto& s) { return &s.age.landmarks; }),
+    field("frontiers_age", "s", kTimed, 60, kAge, [](auto& s) { return &s.age.global_plan; }),
+    field("clearance_age", "s", kTimed, 61, kAge, [](auto& s) { return &s.age.clearance; }),
 };
 
 /// "a, b, c", each between two marks.

@@ -21,6 +21,7 @@ class FaultyReplanner final : public Replanner {
                   std::vector<InjectedFault> faults, double start);
 
   void prepare(const Belief& belief) override { planner_.prepare(belief); }
+  bool go_on(double seconds) override { return planner_.go_on(seconds); }
   Plan plan(const Belief& belief) override;
   std::shared_ptr<const GlobalPlan> global_plan() const override { return planner_.global_plan(); }
   std::shared_ptr<const PlanningStep> step() const override { return planner_.step(); }

@@ -184,6 +184,11 @@ TEST(PlannerFit, WhatFitsIsPlannedWith) {
 // A step is a transaction.
 TEST(PlanningStep, OfAStepThatFailsNothingIsThere) {
   Planner planner = planner_of(robot_of("unicycle"), {});
+  bool fails = false;
+  planner.set_cancelled([&] {
+    if (fails) throw std::runtime_error("out of order");
+    return false;
+  });
   const auto whole = [&] {
     const std::shared_ptr<const PlanningStep> step = planner.step();
     EXPECT_TRUE(step->made());
@@ -204,12 +209,12 @@ TEST(PlanningStep, OfAStepThatFailsNothingIsThere) {
   planner.plan(room(0.1));
   const auto observed = whole();
   const double visibility = observed->landmarks.front().visibility;
-  // After frontiers, landmarks and targets, the clearance field meets maps that differ.
-  Belief torn = room(0.1);
-  torn.voxels = room(0.05).voxels;
-  const Plan failed = planner.plan(torn);
+  // At its end, after the certificate.
+  fails = true;
+  const Plan failed = planner.plan(room(0.1));
+  fails = false;
   EXPECT_EQ(failed.fault, PlanFault::kError) << failed.detail;
-  EXPECT_THAT(failed.detail, HasSubstr("differ in resolution"));
+  EXPECT_THAT(failed.detail, HasSubstr("out of order"));
   EXPECT_FALSE(failed.commands.empty());
   nothing();
   EXPECT_EQ(observed->landmarks.size(), 80U) << "who observed a step keeps it";
@@ -220,6 +225,14 @@ TEST(PlanningStep, OfAStepThatFailsNothingIsThere) {
   Belief none = room(0.1);
   none.voxels = nullptr;
   EXPECT_EQ(planner.plan(none).fault, PlanFault::kBelief);
+  nothing();
+  planner.plan(room(0.1));
+  Belief torn = room(0.1);
+  torn.voxels = room(0.05).voxels;
+  const Plan refused = planner.plan(torn);
+  EXPECT_EQ(refused.fault, PlanFault::kBelief);
+  EXPECT_THAT(refused.detail,
+              HasSubstr("the voxels are of 0.05 m and the ground map of 0.1 m; expected the same"));
   nothing();
 }
 
