@@ -3,7 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <functional>
+#include <iterator>
+#include <limits>
 #include <memory>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "engine/maps/map_projection.h"
@@ -199,6 +205,102 @@ TEST_F(StepDeadline, WhatIsUnfinishedIsGoneOnWithBetweenSteps) {
   step();
   EXPECT_EQ(plans_.back().age.global_plan, plans_.back().stamp - prepared);
   EXPECT_EQ(plans_.back().why.find("the target of"), std::string::npos) << plans_.back().why;
+}
+
+/// A quarter of the cells free, at random, the others unknown: frontiers everywhere.
+void give_speckle(Belief& belief, double side) {
+  const int n = static_cast<int>(std::lround(10.0 * side));
+  auto voxels = std::make_shared<VoxelGrid>(GridFrame{0.1, -10, -10, n, n}, 0.0, 0.6);
+  std::uint32_t random = 7;
+  for (int j = -10; j < n - 10; ++j) {
+    for (int i = -10; i < n - 10; ++i) {
+      random = random * 1664525U + 1013904223U;
+      if (random >> 30U == 0 && std::hypot(i, j) > 8.0) continue;
+      for (int k = 0; k < 6; ++k) voxels->set(i, j, k, CellState::kFree);
+    }
+  }
+  belief.ground = std::make_shared<const GroundMap>(project(*voxels, {0.1, 0.5}, 16));
+  belief.voxels = std::move(voxels);
+}
+
+// Maps, landmarks and deadlines as a hostile caller brings them, from the first step on.
+TEST_F(StepDeadline, OfHostileMaps) {
+  struct Row {
+    const char* what;
+    double deadline;  // [s]
+    const char* model;
+    std::function<void(Belief&)> change;
+  };
+  const Row rows[] = {
+      {"speckle", 0.005, "unicycle", [](Belief& b) { give_speckle(b, 40.0); }},
+      {"speckle, more time", 0.05, "unicycle_accel", [](Belief& b) { give_speckle(b, 20.0); }},
+      {"rooms", 0.01, "holonomic", [](Belief& b) { give_rooms(b, 60.0); }},
+      {"rooms in 3-D", 0.01, "multirotor", [](Belief& b) { give_rooms(b, 20.0); }},
+      {"few features: a retreat", 0.01, "unicycle", [](Belief& b) { b.tracked_features = 3; }},
+      {"landmarks of one place", 0.01, "unicycle",
+       [](Belief& b) {
+         auto map = std::make_shared<LandmarkMap>(*landmarks_about(50'000));
+         for (Landmark& l : map->landmarks) l.position = {1.0, 1.0, 0.5}, l.id = 7;
+         b.landmarks = std::move(map);
+       }},
+  };
+  for (const Row& row : rows) {
+    SCOPED_TRACE(row.what);
+    plans_.clear();
+    times_.clear();
+    belief_ = {};
+    SetUp();
+    give_rooms(belief_, 20.0);
+    row.change(belief_);
+    begin(row.deadline, row.model);
+    if (row.model == std::string("multirotor")) belief_.pose.position.z() = 0.3;
+    for (int n = 0; n < 20; ++n) EXPECT_NE(step().fault, PlanFault::kError) << plans_.back().detail;
+    expect_in_time(row.deadline);
+  }
+}
+
+// Between steps with whole beliefs, one that is not: nothing that is under way is lost by it.
+TEST_F(StepDeadline, OfHostileBeliefs) {
+  constexpr double kDeadline = 0.01;
+  static constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  using Change = std::function<void(Belief&)>;
+  const std::pair<PlanFault, Change> rows[] = {
+      {PlanFault::kBelief, [](Belief& b) { b.pose.yaw = kNan; }},
+      {PlanFault::kBelief, [](Belief& b) { b.pose.position.x() = 1e300; }},
+      {PlanFault::kBelief, [](Belief& b) { b.twist.linear.x() = kNan; }},
+      {PlanFault::kBelief, [](Belief& b) { b.voxels = nullptr; }},
+      {PlanFault::kBelief, [](Belief& b) { b.octree = nullptr; }},
+      {PlanFault::kNone,
+       [](Belief& b) {
+         b.pose.position = {5e4, -5e4, 0.0};
+       }},
+      {PlanFault::kNone,
+       [](Belief& b) {
+         b.pose.position = {-0.95, 0.5, 0.0};
+       }},
+      {PlanFault::kNone, [](Belief& b) { b.pose.yaw = 1e9; }},
+      {PlanFault::kNone, [](Belief& b) { b.covariance.setConstant(kNan); }},
+      {PlanFault::kNone, [](Belief& b) { b.localization = Localization::kLost; }},
+      {PlanFault::kNone, [](Belief& b) { b.command->linear.x() = 50.0; }},
+      {PlanFault::kNone, [](Belief& b) { b.stamp -= 100.0; }},
+      {PlanFault::kNone, [](Belief& b) { give_rooms(b, 8.0, 3000); }},
+      {PlanFault::kNone, [](Belief& b) { b.tracked_features = std::numeric_limits<int>::min(); }},
+  };
+  begin(kDeadline);
+  give_rooms(belief_, 20.0);
+  begin_to_drive(100);
+  for (std::size_t n = 0; n < std::size(rows); ++n) {
+    SCOPED_TRACE(n);
+    Belief hostile = belief_;
+    rows[n].second(hostile);
+    ProcessorStopwatch watch(CLOCK_PROCESS_CPUTIME_ID);
+    const Plan plan = planner_->plan(hostile);
+    times_.push_back(1e-3 * watch.lap());
+    EXPECT_EQ(plan.fault, rows[n].first) << plan.detail;
+    EXPECT_FALSE(plan.commands.empty());
+    EXPECT_EQ(step().fault, PlanFault::kNone) << plans_.back().detail;
+  }
+  expect_in_time(kDeadline);
 }
 
 // What is under way belongs to what the robot was told before.
