@@ -101,7 +101,7 @@ if (($(find cut_set -name '*.h5' | wc -l) > 0)); then
 fi
 interrupted 1 bench missions --solver sampling --out bench_none
 [[ "$err" == "prospect: cancelled" && "$(ls bench_none)" == rows.jsonl ]] || fail "bench missions, interrupted: '$err'"
-interrupt 1 explore office --quiet --out cut_mission
+interrupt 2 explore office --quiet --out cut_mission
 grep -q '"reason": "cancelled"' cut_mission/summary.json || fail "a mission, interrupted: '$out' '$err'"
 printf 'worlds: office\nseeds: 1..2\n' >cut.yaml
 interrupted 1 study cut.yaml --quiet --out cut_study

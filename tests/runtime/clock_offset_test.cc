@@ -61,6 +61,7 @@ TEST(ClockOffset, TheLeastDelayIsTakenOffIfItIsKnown) {
   EXPECT_NEAR(*r.time, source.now, 1e-4);
   EXPECT_NEAR(r.delay, source.delay, 1e-4);
   EXPECT_EQ(r.verdict, StampVerdict::kGood);
+  EXPECT_NEAR(*offset.offset(), -source.clock, 1e-4);
 }
 
 TEST(ClockOffset, TheQuickestMessageTellsTheOffsetWhateverTheOthersTake) {
@@ -126,6 +127,16 @@ TEST(ClockOffset, AJumpIsReportedAndCostsTheTimeToSettleNotItsLength) {
     EXPECT_NEAR(*r.time, source.now + source.delay, 1e-3) << jump;
     EXPECT_EQ(offset.jumps(), 1);
   }
+}
+
+TEST(ClockOffset, AJumpIsMeasuredByTheQuickerOfItsTwoStamps) {
+  ClockOffset offset;
+  Source source;
+  source.send(offset, 30);
+  source.clock += 10.0;
+  source.send(offset);
+  source.delay += 0.05;
+  EXPECT_NEAR(source.send(offset).jump, 10.0, 1e-3);
 }
 
 TEST(ClockOffset, TheRuntimesOwnClockMayJumpToo) {

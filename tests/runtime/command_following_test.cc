@@ -423,6 +423,136 @@ TEST(CommandFollowing, ACommandThatHasExpiredMayActOrNot) {
   }
 }
 
+// Each axis has its own delay; what is declared is no fault, also before the first command acts.
+TEST(CommandFollowing, ADeclaredDelayIsThatOfItsAxis) {
+  for (const int late : {0, 2}) {
+    for (const bool declared : {true, false}) {
+      CommandFollowing following({}, {.linear = declared && late == 0 ? 1.2 : 0.0,
+                                      .angular = declared && late == 2 ? 1.2 : 0.0});
+      bool found = false;
+      for (double now = 0.0; now < 3.0; now += kPeriod) {
+        BaseReport base;
+        base.connected = true;
+        base.stamp = now;
+        if (now > (late == 0 ? 1.2 : 0.0)) base.velocity.linear.x() = 0.6;
+        if (now > (late == 2 ? 1.2 : 0.0)) base.velocity.yaw_rate = 0.8;
+        const auto departure = following.look(now, base, nullptr);
+        if (departure) {
+          EXPECT_EQ(departure->axis, late);
+        }
+        found = found || departure;
+        following.told({now, now + kHold, {{0.6, 0.0, 0.0}, 0.8}, false});
+      }
+      EXPECT_EQ(found, !declared) << late;
+    }
+  }
+}
+
+/// Base and wheels without a pose: told and measured velocities by time, until it is noticed.
+std::optional<double> noticed_at(double length, const std::function<Twist(double)>& told,
+                                 const std::function<Twist(double)>& measured,
+                                 const CommandFollowingOptions& options = {}) {
+  CommandFollowing following(options);
+  for (double now = 0.0; now < length; now += kPeriod) {
+    BaseReport base;
+    base.connected = true;
+    base.stamp = now;
+    base.velocity = measured(now);
+    if (following.look(now, base, nullptr)) return now;
+    following.told({now, now + kHold, told(now), false});
+  }
+  return std::nullopt;
+}
+
+TEST(CommandFollowing, WhatCountsOfEachAxisIsItsOwn) {
+  const auto rest = [](double) { return Twist(); };
+  const auto creeps = [](double) { return Twist{{0.15, 0.0, 0.0}, 0.0}; };
+  const auto turns = [](double) { return Twist{{0.0, 0.0, 0.0}, 0.15}; };
+  CommandFollowingOptions speed, rate;
+  speed.least_speed = 0.2;
+  rate.least_rate = 0.2;
+  EXPECT_FALSE(noticed_at(10.0, rest, creeps, speed));
+  EXPECT_TRUE(noticed_at(10.0, rest, creeps, rate));
+  EXPECT_FALSE(noticed_at(10.0, rest, turns, rate));
+  EXPECT_TRUE(noticed_at(10.0, rest, turns, speed));
+}
+
+// The sums of the header, by hand.
+TEST(CommandFollowing, TakesItsTimeByItsFormula) {
+  const auto rest = [](double) { return Twist(); };
+  // Told nothing, weight 1: 0.17 m/s count of 0.2, for 0.1 m.
+  EXPECT_NEAR(*noticed_at(9.0, rest,
+                          [](double) {
+                            return Twist{{0.2, 0.0, 0.0}, 0.0};
+                          }),
+              0.6, 0.06);
+  // Told to go and to stand in turn, the largest is what slips.
+  const auto in_turn = [](double now) {
+    return Twist{{std::fmod(now, 0.4) < 0.2 ? 0.6 : 0.0, 0.0, 0.0}, 0.0};
+  };
+  const auto faster = [](double) { return Twist{{0.7, 0.0, 0.0}, 0.0}; };
+  EXPECT_FALSE(
+      noticed_at(10.0, in_turn, [&](double now) { return now < 0.2 ? Twist() : faster(now); }));
+}
+
+TEST(CommandFollowing, WhatWasWrongIsOverSoonAfterItHasEnded) {
+  CommandFollowing following;
+  bool still = false;
+  for (double now = 0.0; now < 12.0; now += kPeriod) {
+    BaseReport base;
+    base.connected = true;
+    base.stamp = now;
+    base.velocity.linear.x() = now > 2.0 && now < 8.0 ? -0.6 : 0.6;
+    const bool departs = following.look(now, base, nullptr).has_value();
+    if (now > 3.0 && now < 8.0) {
+      EXPECT_TRUE(departs) << now;
+    }
+    still = departs;
+    following.told({now, now + kHold, {{0.6, 0.0, 0.0}, 0.0}, false});
+  }
+  EXPECT_FALSE(still);
+}
+
+// A number that is none, a link that is down, and reports that come twice or late say nothing, and
+// hide nothing.
+TEST(CommandFollowing, AReportThatSaysNothingHidesNothing) {
+  CommandFollowing following;
+  double noticed = 0.0;
+  for (double now = 0.0; now < 6.0 && noticed == 0.0; now += kPeriod) {
+    BaseReport base;
+    base.connected = true;
+    base.stamp = now;
+    base.velocity.linear.x() = now > 3.0 ? -0.6 : 0.6;
+    BaseReport none = base, before = base;
+    none.velocity.linear.x() = std::numeric_limits<double>::quiet_NaN();
+    before.stamp -= kPeriod;
+    if (std::abs(now - 1.0) < 1e-6 && following.look(now, none, nullptr)) noticed = now;
+    if (following.look(now, base, nullptr)) noticed = now;
+    if (following.look(now, before, nullptr)) noticed = now;
+    following.told({now, now + kHold, {{0.6, 0.0, 0.0}, 0.0}, false});
+  }
+  EXPECT_NEAR(noticed, 3.3, 0.25);
+  CommandFollowing without;
+  for (double now = 0.0; now < 3.0; now += kPeriod) {
+    BaseReport base;
+    base.stamp = now;
+    base.velocity.linear.x() = 5.0;
+    EXPECT_FALSE(without.look(now, base, nullptr));
+    without.told({now, now + kHold, {}, false});
+  }
+}
+
+// Poses that come seldom: a turn of more than 0.3 rad between two is no turn the other way; looked
+// at twice, stamps that hardly grow are still those of a clock that is stuck.
+TEST(CommandFollowing, PosesThatComeSeldom) {
+  World seldom;
+  seldom.stamp = [](double now) { return 0.25 * std::floor(now / 0.25 + 1e-6); };
+  EXPECT_FALSE(drive(seldom, 10.0, steadily(0.3, 1.5)));
+  World slow;
+  slow.stamp = [](double now) { return 0.025 * std::floor(now / 0.2 + 1e-6); };
+  EXPECT_FALSE(drive(slow, 10.0, steadily(0.6, 0.0)));
+}
+
 TEST(CommandFollowing, OptionsOutOfRangeAreRefused) {
   CommandFollowingOptions options;
   options.slip = -0.1;

@@ -108,6 +108,26 @@ TEST_F(CommandLoopTest, SaysWhy) {
   in_.base.connected = false;
   EXPECT_EQ(step().reason, CommandReason::kBase);
   EXPECT_TRUE(step().stop);
+  in_.base.faults.clear();
+  EXPECT_EQ(step().detail, "the base is not connected");
+}
+
+TEST_F(CommandLoopTest, RemembersTheLastSeconds) {
+  in_.plan = plan_from(10.0);
+  speeds(100);
+  EXPECT_LE(loop_.state().sent.size(), 62U);
+}
+
+// The stop that is foretold ends: then it rests.
+TEST(CommandsUntil, RestsAfterTheStopThatIsForetold) {
+  CommandState state;
+  state.command = twist(0.3);
+  state.stop = {twist(0.2), twist(0.1), twist(0.5)};
+  state.stop.pop_back();
+  const auto commands = commands_until(Unicycle(), state, 10.0, 10.2, kPeriod);
+  ASSERT_EQ(commands.size(), 4U);
+  EXPECT_EQ(commands[1].command.linear.x(), 0.1);
+  EXPECT_EQ(commands[2].command.linear.x(), 0.0);
 }
 
 TEST_F(CommandLoopTest, WhateverForbidsDrivingItBrakes) {
@@ -127,6 +147,7 @@ TEST_F(CommandLoopTest, WhatStandsIsNotSetInMotionByARamp) {
   EXPECT_TRUE(step().stop);  // the base may stop faster than the model brakes
   in_.drive = {DriveResponse::kStand, 0.0};
   EXPECT_EQ(step().command.linear.norm(), 0.0);
+  EXPECT_FALSE(loop_.state().plan) << "what does not drive has no plan in force";
 }
 
 TEST_F(CommandLoopTest, DrivesSlowerThatIsAShareOfThePlan) {
@@ -205,6 +226,18 @@ TEST_F(CommandLoopTest, AStaleBeliefStopsIt) {
   const CommandStep step = loop_.step(in_);
   EXPECT_EQ(step.reason, CommandReason::kGuard);
   EXPECT_EQ(step.guard, GuardReason::kStale);
+}
+
+TEST_F(CommandLoopTest, APlanThatNobodyCertifiedIsNoPathToStopAlong) {
+  in_.plan = plan_from(10.0);
+  speeds(5);
+  const auto unknown = plan_from(in_.now);
+  unknown->certified = false;
+  in_.plan = unknown;
+  const CommandStep refused = step();
+  EXPECT_EQ(refused.reason, CommandReason::kGuard);
+  EXPECT_FALSE(follows_plan(refused.guard)) << to_string(refused.guard);
+  EXPECT_TRUE(loop_.state().stop.empty());
 }
 
 TEST_F(CommandLoopTest, SaysWhatWillBeSent) {

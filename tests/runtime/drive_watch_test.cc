@@ -121,6 +121,14 @@ TEST_F(DriveWatchTest, MotionThatNobodyAskedFor) {
   EXPECT_TRUE(at(12.3).uncommanded_motion);
 }
 
+TEST_F(DriveWatchTest, TheNewestCommandCountsHoweverOldItIs) {
+  const std::vector<SentCommand> sent = {{5.0, {{0.6, 0.0, 0.0}, 1.0}}, {6.0, {}}};
+  seen_.sent = std::span(sent).first(1);
+  base_.velocity = {{0.6, 0.0, 0.0}, 1.0};
+  at(10.5);
+  EXPECT_FALSE(at(12.0).uncommanded_motion);
+}
+
 TEST_F(DriveWatchTest, ThreadsAndFaultsByName) {
   seen_.threads = {{"perception", ThreadState::kOnTime}, {"planner", ThreadState::kLate}};
   EXPECT_EQ(at(10.1).late_thread, "planner");

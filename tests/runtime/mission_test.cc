@@ -42,7 +42,9 @@ class FakeRobot final : public LockstepRobot {
     belief.twist = command;
   }
   double time() const override { return clock; }
+  CameraPicture picture() override { return {shows, {}}; }
 
+  std::shared_ptr<const Image> shows;
   Belief belief;
   double clock = 100.0;
   double lag = 0.0;  // age of what is sensed
@@ -88,7 +90,9 @@ class FakeReplanner final : public Replanner {
     if (plan.why.empty()) plan.why = "why";
     plan.refused = refused;
     if (plans == cut_short_at) plan.stop = StopReason::kCancelled;
-    if (told_to_return) plan.heading_missed = heading_missed;
+    plan.heading_missed = heading_missed;
+    plan.fault = fault;
+    plan.detail = detail;
     return plan;
   }
   std::shared_ptr<const GlobalPlan> global_plan() const override { return global_plan_; }
@@ -107,6 +111,8 @@ class FakeReplanner final : public Replanner {
   std::string refused;
   int cut_short_at = 0;  // 0: no plan is
   std::optional<double> heading_missed;
+  PlanFault fault = Plan().fault;
+  std::string detail;
   bool takes_tasks = true;
   bool told_to_return = false, told_to_go = false;
   int steps_there = 2;
@@ -210,6 +216,38 @@ TEST_F(Mission, EndsWhenEnoughIsSeen) {
   expect_stopped();
 }
 
+TEST_F(Mission, WhatDoesNotFitEndsIt) {
+  planner_.fault = PlanFault::kMisfit;
+  planner_.detail = "the map is of another size";
+  const MissionResult result = run_mission(robot_, planner_, guard_, options_);
+  EXPECT_EQ(result.end, MissionEnd::kNotFit);
+  EXPECT_EQ(result.detail, planner_.detail);
+  EXPECT_EQ(result.steps, 1);
+}
+
+TEST_F(Mission, TellsOfCommandsAndPictures) {
+  struct Watching final : MissionObserver {
+    void on_command(double time, const Twist& command) override {
+      times.push_back(time);
+      commands.push_back(command);
+    }
+    void on_picture(const CameraPicture&) override { ++pictures; }
+    std::vector<double> times;
+    std::vector<Twist> commands;
+    int pictures = 0;
+  } watching;
+  options_.observers = {&watching};
+  planner_.steps = 3;
+  robot_.shows = std::make_shared<const Image>(Image(2, 2));
+  const MissionResult result = run_mission(robot_, planner_, guard_, options_);
+  EXPECT_EQ(watching.pictures, result.steps);
+  ASSERT_EQ(watching.commands.size() + 1, robot_.commands.size()) << "all that take time";
+  for (std::size_t n = 0; n < watching.commands.size(); ++n) {
+    EXPECT_EQ(watching.commands[n].linear, robot_.commands[n].linear);
+    EXPECT_NEAR(watching.times[n], 100.0 + 0.25 * static_cast<double>(n), 1e-9);
+  }
+}
+
 TEST_F(Mission, ReturnsOnceItsTaskIsOver) {
   options_.return_when_done = true;
   options_.missing = [](const MissionStep& step) {
@@ -289,6 +327,10 @@ TEST_F(Mission, ThatHasNotMovedSaysWhatWasRefused) {
   EXPECT_EQ(run_mission(robot_, planner_, guard_, options_).detail.find("moved"),
             std::string::npos);
   planner_.speed = 0.0;
+  planner_.plans = 0;
+  planner_.on_plan = [&] {
+    if (planner_.plans == 2) planner_.refused.clear();  // the newest refusal is told
+  };
   const std::string detail = run_mission(robot_, planner_, guard_, options_).detail;
   EXPECT_NE(detail.find("It has not moved: the certificate refused what it would have driven (the "
                         "body would enter unknown space after 0.50 s)."),
@@ -301,14 +343,16 @@ TEST_F(Mission, TurnsBackInTime) {
   options_.return_when_done = true;
   options_.time_limit = 20.0;
   planner_.steps_back = 12;  // of 0.5 s each
-  planner_.return_time = [&] { return 7.0; };
+  int asked = 0;
+  planner_.return_time = [&] { return ++asked, 7.0; };
   const MissionResult result = run_mission(robot_, planner_, guard_, options_);
+  EXPECT_LT(asked, 10) << "not at each of its steps";
   EXPECT_EQ(result.end, MissionEnd::kTimeLimit);
   EXPECT_EQ(result.back, true) << result.detail;
   EXPECT_FALSE(result.done()) << "its task was not";
   ASSERT_TRUE(result.turned_back_at);
-  EXPECT_GE(*result.turned_back_at, 12.0);
-  EXPECT_LE(*result.turned_back_at, 13.0);
+  // A step takes 0.5 s: after one more there would not be enough.
+  EXPECT_NEAR(*result.turned_back_at, 12.5, 1e-9);
   EXPECT_LE(result.duration, 20.0);
   EXPECT_EQ(result.detail.find("turned back after 1"), 0u) << result.detail;
   EXPECT_NE(result.detail.find("about 7 s of the time limit of 20 s. It is back"),
@@ -340,6 +384,12 @@ TEST_F(Mission, TellsAHeadingThatCannotBeHad) {
   EXPECT_TRUE(result.done());
   ASSERT_TRUE(result.heading_missed);
   EXPECT_EQ(*result.heading_missed, 2.0);
+  options_.missing = [](const MissionStep&) { return std::string(); };
+  options_.return_when_done = false;
+  planner_.told_to_return = false;
+  planner_.plans = 0;
+  EXPECT_FALSE(run_mission(robot_, planner_, guard_, options_).heading_missed)
+      << "of a task that ends for what was seen";
   EXPECT_EQ(result.detail, "why It is back where it began. back");
 }
 

@@ -53,6 +53,17 @@ TEST(PredictedPose, LinearAndAngularDelaysAreApart) {
   EXPECT_NEAR(pose.position.y(), chord * std::sin(0.45) + 0.12 * std::sin(0.5), 1e-12);
 }
 
+// Each velocity goes on for its own delay, and no longer.
+TEST(PredictedPose, EachVelocityEndsAfterItsOwnDelay) {
+  const std::vector<SentCommand> sent = {{5.0, {{0.0, 0.0, 0.3}, 1.0}}};
+  const Pose turned = predicted_pose({}, 10.0, sent, 10.5, {.linear = 0.0, .angular = 0.2});
+  EXPECT_NEAR(turned.yaw, 0.7, 1e-12);
+  EXPECT_NEAR(turned.position.z(), 0.15, 1e-12);
+  const Pose risen = predicted_pose({}, 10.0, sent, 10.5, {.linear = 0.2, .angular = 0.0});
+  EXPECT_NEAR(risen.yaw, 0.5, 1e-12);
+  EXPECT_NEAR(risen.position.z(), 0.21, 1e-12);
+}
+
 TEST(PredictedPose, NothingSentOrNoTimePassed) {
   const Pose start{{1.0, 2.0, 3.0}, 0.5};
   EXPECT_EQ(predicted_pose(start, 10.0, {}, 12.0, {}).position, start.position);

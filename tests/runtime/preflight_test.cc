@@ -113,6 +113,21 @@ TEST(Preflight, TableOfFaults) {
            {"no SCHED_FIFO", [](Facts& f) { f.priority = "it is refused"; }, "priority of commands",
             kWarned},
            {"rolled", [](Facts& f) { f.floor->roll = -0.1; }, "camera tilt", kFailed},
+           {"rolled as stated", [](Facts& f) { f.floor->roll = f.floor->stated_roll = 0.3; },
+            "camera tilt", kPassed},
+           {"pitched, within twice what is not known",
+            [](Facts& f) { f.floor->pitch = 0.04, f.floor->sigma_tilt = 0.016; }, "camera tilt",
+            kPassed},
+           {"pairs as far apart as is warned of",
+            [](Facts& f) { f.stereo_offset = PreflightOptions().stereo_warn; }, "cameras in step",
+            kPassed},
+           {"pairs as far apart as may be",
+            [](Facts& f) { f.stereo_offset = PreflightOptions().stereo_fail; }, "cameras in step",
+            kWarned},
+           {"just come", [](Facts& f) { f.streams[1].age = 0.0; }, "stream of depth", kPassed},
+           {"live for as long as it must",
+            [](Facts& f) { f.streams[1].live_for = PreflightOptions().live_time; },
+            "stream of depth", kPassed},
            {"pitched as stated", [](Facts& f) { f.floor->pitch = f.floor->stated_pitch = 0.3; },
             "camera tilt", kPassed},
            {"no number", [](Facts& f) { f.floor->roll = kNan; }, "camera tilt", kFailed},
@@ -166,9 +181,12 @@ TEST(Preflight, AFloorInTheBodysLowestVoxelsFails) {
     double z_min, height;  // of the body; of the camera as seen, 0.45 as stated
     bool seen;
     CheckVerdict verdict;
+    double sigma = 0.002;  // of the height as seen
   };
   for (const Case& c :
-       {Case{"both", 0.0, 0.43, true, kFailed}, Case{"the camera alone", 0.1, 0.43, true, kPassed},
+       {Case{"not surely in them", 0.1, 0.345, true, kWarned, 0.004},
+        Case{"not known how surely", 0.1, 0.45, true, kFailed, kNan},
+        Case{"both", 0.0, 0.43, true, kFailed}, Case{"the camera alone", 0.1, 0.43, true, kPassed},
         Case{"the body alone", 0.0, 0.45, true, kWarned}, Case{"neither", 0.1, 0.45, true, kPassed},
         Case{"a body in its lowest voxels by half", 0.05, 0.43, true, kFailed},
         Case{"a camera that is higher", 0.0, 0.48, true, kPassed},
@@ -181,6 +199,7 @@ TEST(Preflight, AFloorInTheBodysLowestVoxelsFails) {
     Facts facts = well();
     facts.body = VerticalExtent{c.z_min, 0.5};
     facts.floor->height = c.height;
+    facts.floor->sigma_height = c.sigma;
     if (!c.seen) facts.floor.reset();
     const CheckResult result = result_of(checks_before_motion(facts), "body above the floor");
     EXPECT_EQ(to_string(result.verdict), to_string(c.verdict)) << c.what << ": " << result.why;
@@ -215,6 +234,7 @@ TEST(Preflight, SignAndGainOfYaw) {
     EXPECT_EQ(to_string(results[2].verdict), to_string(c.slip)) << c.what << results[2].why;
   }
   EXPECT_THAT(checks_of_turn({0.2, -0.2, -0.2})[0].why, HasSubstr("turns the other way"));
+  EXPECT_THAT(checks_of_turn({0.2, -0.02, -0.2})[0].why, HasSubstr("does not turn"));
 }
 
 TEST(Preflight, SignAndGainOfTheWay) {

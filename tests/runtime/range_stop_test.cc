@@ -85,6 +85,22 @@ TEST(RangeStop, TableOfChecks) {
   };
   RangeFrame covered = scan_of_wall(100.0, 70.0);
   for (RangeRay& ray : covered.rays) ray.kind = Kind::kInvalid;
+  RangeFrame unmeasured = with_points(kOpen, three(0.4, 0.0));
+  for (std::size_t k = 0; k < 3; ++k)
+    unmeasured.rays[unmeasured.rays.size() - 1 - k].kind = Kind::kInvalid;
+  // Rays from above the body's height, by how much they fall in a metre. Ahead they are met at 0.6
+  // m.
+  const auto rays_that_fall = [](double height, double slope) {
+    RangeFrame frame = scan_of_wall(100.0, 120.0);
+    frame.origin.z() = height;
+    for (RangeRay& ray : frame.rays) {
+      ray.point.z() = height - slope * (ray.point - frame.origin).head<2>().norm();
+    }
+    return frame;
+  };
+  RangeFrame floor_alone = covered;
+  for (const RangeRay& ray : rays_that_fall(0.3, 0.75).rays) floor_alone.rays.push_back(ray);
+  const RangeFrame falling = rays_that_fall(0.5, 0.32);
   RangeFrame nowhere = kOpen;
   for (RangeRay& ray : nowhere.rays) ray.point.x() = std::nan("");
   const RangeFrame narrow = scan_of_wall(100.0, 70.0);
@@ -118,7 +134,15 @@ TEST(RangeStop, TableOfChecks) {
            Case{"its own parts", with_points(kOpen, three(0.2, 0.0)), twist(0.5), R::kClear, 1, 1},
            Case{"no number", with_points(kOpen, three(std::nan(""), 0.0)), twist(0.5), R::kClear, 1,
                 1},
+           Case{"rays that measured nothing", unmeasured, twist(0.5), R::kClear, 1, 1},
            Case{"covered", covered, twist(0.5), R::kTooFewRanges, 0, 0},
+           Case{"covered, and something ahead", with_points(covered, three(0.6, 0.1)), twist(0.5),
+                R::kTooFewRanges, 0, 0},
+           Case{"covered but for rays at the floor", floor_alone, twist(0.5), R::kTooFewRanges, 0,
+                0},
+           Case{"rays that fall slowly", falling, twist(0.5), R::kClear, 1, 1},
+           Case{"a camera of the way alone", scan_of_wall(100.0, 24.0), twist(0.5), R::kClear, 1,
+                1},
            Case{"a quarter valid", thinned(kOpen, 4), twist(0.5), R::kTooFewRanges, 0, 0},
            Case{"a third valid", thinned(kOpen, 3), twist(0.5), R::kClear, 1, 1},
            Case{"covered, on the spot", covered, twist(0.0, 1.0), R::kClear, 1, 1},
@@ -201,6 +225,22 @@ TEST(RangeStop, CornersTurnIntoWhatIsBesideThem) {
   const RangeStopVerdict blind = stop.check(scan_of_wall(100.0, 70.0), twist(0.0, 1.0), 10.1);
   EXPECT_EQ(blind.reason, RangeStopReason::kOutOfView) << blind.text;
   EXPECT_NEAR(blind.share, 0.1 / std::hypot(0.25, 0.15), 1e-9);
+  o.rear = 0.5;
+  o.right = 0.3;
+  EXPECT_NEAR(RangeStop(o).check(scan_of_wall(100.0, 70.0), twist(0.0, 1.0), 10.1).share,
+              0.1 / std::hypot(0.5, 0.3), 1e-9);
+}
+
+// Half of the way is enough, on whichever side: the outline goes around the whole body.
+TEST(RangeStop, SeesEitherHalfOfTheWayOfABodyWithCorners) {
+  RangeStopOptions o;
+  o.corner_radius = 0.02;
+  for (const double side : {1.0, -1.0}) {
+    RangeFrame half = scan_of_wall(100.0, 60.0);
+    std::erase_if(half.rays, [&](const RangeRay& ray) { return side * ray.point.y() < -1e-9; });
+    const RangeStopVerdict v = RangeStop(o).check(half, twist(0.5), 10.1);
+    EXPECT_EQ(v.reason, RangeStopReason::kClear) << side << ": " << v.text;
+  }
 }
 
 // Within its margin a robot may drive away and along, not nearer.

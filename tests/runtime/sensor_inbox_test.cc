@@ -142,6 +142,8 @@ TEST(SensorInbox, WhatCannotBeUsedIsRefusedAndCounted) {
   in.box.wheels(sample(kNow + 1.0));
   in.box.left(99.9, Image());
   in.box.depth(99.9, DepthImage());
+  in.box.observe(ScanFrame{99.9, nullptr, nullptr});
+  EXPECT_EQ(in.box.count(SensorStream::kScan).refused, 1u);
   in.box.pair(99.9, 99.9, {image(), Image()});
   in.box.pair(99.9, std::nan(""), {image(), image()});
   EXPECT_FALSE(in.box.take());
@@ -209,6 +211,41 @@ TEST(SensorInbox, ImagesArePairedByTheStampsOfTheirOwnClock) {
   }
   EXPECT_GT(in.box.count(SensorStream::kPair).taken, 20u);
   EXPECT_LE(in.box.count(SensorStream::kLeft).unpaired, 2u);
+}
+
+// Whatever the stream: until its clock is known nothing comes out, and then in the runtime's clock.
+TEST(SensorInbox, EachStreamMayHaveAClockOfItsOwn) {
+  SensorInboxOptions options;
+  Inbox in(options);
+  const double ahead = 1000.0;
+  int taken = 0;
+  for (int k = 0; k < 40; ++k) {
+    in.clock.set(kNow + 0.05 * k);
+    const double stamp = in.clock.now() + ahead;
+    in.box.pair(stamp, stamp + 0.002, {image(), image()});
+    in.box.depth(stamp, DepthImage(1, 1, 1.0f));
+    in.box.scan(stamp, {});
+    EXPECT_NEAR(in.box.pair_offset().value_or(0.002), 0.002, 1e-9);
+    while (const auto frame = in.box.take()) {
+      ++taken;
+      EXPECT_NEAR(stamp_of(*frame), in.clock.now(), 1e-3);
+      if (const auto* pair = std::get_if<StereoFrame>(&*frame)) {
+        EXPECT_NEAR(pair->right_stamp - pair->left_stamp, 0.002, 1e-9);
+      }
+    }
+    EXPECT_EQ(taken > 0, k >= 10) << k;  // settled after 0.5 s
+  }
+  EXPECT_EQ(taken, 3 * 30);
+}
+
+TEST(SensorInbox, ImagesThatCameAloneTellHowFarTheyAreApart) {
+  Inbox in;
+  in.box.left(99.95, image());
+  in.box.right(99.953, image());
+  EXPECT_NEAR(in.box.pair_offset().value(), 0.003, 1e-9);
+  in.box.left(99.90, image());
+  in.box.right(99.90, image());
+  EXPECT_EQ(in.box.count(SensorStream::kPair).newest, 99.95) << "not the one that came last";
 }
 
 TEST(SensorInbox, TheNewestRangesAreThereAlsoAfterTheyWereTaken) {
