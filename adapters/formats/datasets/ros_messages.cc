@@ -238,23 +238,14 @@ RosTransform read_ros_pose(std::string_view cdr, const std::string& type, const 
   return with_covariance(m.header, m.child_frame_id, m.pose, name);
 }
 
-RosMotion read_ros_motion(std::string_view cdr, const std::string& type, const std::string& name) {
-  RosMotion out;
-  const auto take = [&](const ros::Header& header, const std::string& frame,
-                        const ros::Twist& twist) {
-    out = {ros::seconds(header.stamp),
-           frame,
-           {twist.linear.x, twist.linear.y, twist.linear.z},
-           {twist.angular.x, twist.angular.y, twist.angular.z}};
-  };
-  if (type == ros::TwistStamped::kType) {
-    const auto m = ros::from_cdr<ros::TwistStamped>(cdr, name);
-    take(m.header, m.header.frame_id, m.twist);
-  } else {
-    const auto m = ros::from_cdr<ros::Odometry>(cdr, name);
-    check_variances(m.twist.covariance, "the motion", name);
-    take(m.header, m.child_frame_id, m.twist.twist);
-  }
+RosMotion read_ros_motion(std::string_view cdr, const std::string& name) {
+  const auto m = ros::from_cdr<ros::Odometry>(cdr, name);
+  check_variances(m.twist.covariance, "the motion", name);
+  const ros::Twist& twist = m.twist.twist;
+  RosMotion out{ros::seconds(m.header.stamp),
+                m.child_frame_id,
+                {twist.linear.x, twist.linear.y, twist.linear.z},
+                {twist.angular.x, twist.angular.y, twist.angular.z}};
   if (!out.linear.allFinite() || !out.angular.allFinite()) {
     throw InputError(name + ": not a motion; expected finite numbers");
   }

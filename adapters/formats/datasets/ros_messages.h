@@ -55,8 +55,8 @@ struct RosMotion {
   std::string frame;
   Eigen::Vector3d linear, angular;  ///< [m/s], [rad/s]
 };
-/// nav_msgs/msg/Odometry, of its child frame, or geometry_msgs/msg/TwistStamped, of its header's,
-/// by `type`. Refused: what is not finite, and variances as of a pose.
-RosMotion read_ros_motion(std::string_view cdr, const std::string& type, const std::string& name);
+/// That of the child frame of nav_msgs/msg/Odometry. Refused: what is not finite, and variances as
+/// of a pose.
+RosMotion read_ros_motion(std::string_view cdr, const std::string& name);
 
 }  // namespace prospect

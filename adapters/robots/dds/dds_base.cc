@@ -66,7 +66,7 @@ struct DdsBase::Impl {
 
   void add(std::string_view cdr, const std::string& name, std::uint64_t publisher) {
     if (!is_heard(publisher)) return;
-    const RosMotion told = read_ros_motion(cdr, ros::Odometry::kType, name);
+    const RosMotion told = read_ros_motion(cdr, name);
     const RosTransform pose = read_ros_pose(cdr, ros::Odometry::kType, name);
     check_parent(pose.parent);
     const Eigen::Isometry3d T_BO = odometry_frame(told.frame);
