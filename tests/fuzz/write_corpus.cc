@@ -43,6 +43,7 @@
 #include "adapters/missions/log/planner_calls.h"
 #include "tests/adapters/filled_message.h"
 #include "tests/adapters/mesh_files.h"
+#include "tests/adapters/point_clouds.h"
 #include "tests/adapters/ros_bag_writer.h"
 #include "tests/adapters/synthetic_run.h"
 #include "tests/engine/problem_specifications.h"
@@ -411,6 +412,19 @@ int main(int argc, char** argv) {
           "ply\nformat binary_little_endian 1.0\nelement vertex 1\nproperty double x\nelement face "
           "1\nproperty list uchar int vertex_indices\nend_header\n" +
           std::string(8, '\0') + "\x01" + word(0));
+
+  const std::vector<Eigen::Vector3d> cloud =
+      prospect::test::RoomPoints{.spacing = 0.25, .with_ceiling = false}.points();
+  for (const char* data : {"ascii", "binary", "binary_compressed"}) {
+    write("point_cloud", data, kind(0) + prospect::test::pcd(cloud, data));
+  }
+  std::string ply_cloud = "ply\nformat ascii 1.0\nelement vertex " + std::to_string(cloud.size()) +
+                          "\nproperty float x\nproperty double y\nproperty short z\nend_header\n";
+  for (const auto& p : cloud) {
+    ply_cloud +=
+        std::to_string(p.x()) + ' ' + std::to_string(p.y()) + ' ' + std::to_string(p.z()) + '\n';
+  }
+  write("point_cloud", "ply", kind(1) + ply_cloud);
 
   auto tree = room_tree<octomap::OcTree>();
   for (const bool binary : {true, false}) {

@@ -15,12 +15,14 @@
 #include "adapters/formats/files/input_error.h"
 #include "adapters/formats/files/strict_yaml.h"
 #include "adapters/formats/worlds/builtin_worlds.h"
+#include "adapters/formats/worlds/cloud_world.h"
 #include "adapters/formats/worlds/floor_plan.h"
 #include "adapters/formats/worlds/gazebo_world.h"
 #include "adapters/formats/worlds/mesh_file.h"
 #include "adapters/formats/worlds/mesh_world.h"
 #include "adapters/formats/worlds/octree_file.h"
 #include "adapters/formats/worlds/octree_world.h"
+#include "adapters/formats/worlds/point_cloud_file.h"
 #include "adapters/formats/worlds/reachable_area.h"
 #include "adapters/formats/worlds/ros_map.h"
 #include "adapters/formats/worlds/world_file.h"
@@ -32,7 +34,8 @@ namespace prospect {
 namespace {
 
 constexpr const char* kExtensions =
-    ".yaml, .bt, .ot, .pgm, .png, .bmp, .map, .obj, .dae, .gltf, .glb, .stl, .ply, .world, .sdf";
+    ".yaml, .bt, .ot, .pgm, .png, .bmp, .map, .obj, .dae, .gltf, .glb, .stl, .ply, .pcd, .world, "
+    ".sdf";
 
 /// Distance [m] from a column's centre to the nearest column that is not free, at most `bound`.
 double clearance(const Grid<std::uint8_t>& free, Cell c, double bound) {
@@ -285,6 +288,7 @@ World load_world(const std::string& name_or_path, const WorldOptions& options) {
   bool states_start = false;
   std::error_code error;
   std::optional<World> world;
+  bool cloud = false;
   if (std::find(names.begin(), names.end(), name_or_path) != names.end() ||
       floor_plan_choice(name_or_path)) {
     refuse_for_world_file(name_or_path, options);
@@ -312,17 +316,18 @@ World load_world(const std::string& name_or_path, const WorldOptions& options) {
     if (!fs::is_regular_file(path, error)) {
       throw InputError(name_or_path + ": is not a regular file; expected a world: " + kExtensions);
     }
-    const bool mesh = is_mesh_file(name_or_path);
+    cloud = is_point_cloud_file(name_or_path);
+    const bool mesh = !cloud && is_mesh_file(name_or_path);
     const bool gazebo = is_one_of(extension, {".world", ".sdf"});
     const bool octree = is_one_of(extension, {".bt", ".ot"});
-    if (options.floor && !mesh && !gazebo && !octree) {
+    if (options.floor && !mesh && !gazebo && !octree && !cloud) {
       throw InputError(name_or_path + ": has one storey; expected no --floor or world.floor");
     }
     if (options.ground_margin > 0.0 && !mesh && !gazebo) {
       throw InputError(name_or_path +
                        ": has no ground without end; expected no --ground or world.ground");
     }
-    if (options.up && !mesh) {
+    if (options.up && !mesh && !cloud) {
       throw InputError(name_or_path + ": is upright by itself; expected no --up or world.up");
     }
     if (octree) {
@@ -350,6 +355,15 @@ World load_world(const std::string& name_or_path, const WorldOptions& options) {
       world = world_from_image(name_or_path, options);
     } else if (extension == ".map") {
       world = world_from_movingai(name_or_path, options);
+    } else if (cloud) {
+      CloudWorldOptions cloud_options;
+      cloud_options.resolution = options.voxel_size;
+      cloud_options.up = options.up.value_or(UpAxis::kZ);
+      cloud_options.ground = options.floor;
+      cloud_options.unknown_is_free = options.unknown_is_free;
+      cloud_options.progress = options.progress;
+      world = world_from_cloud(read_point_cloud(name_or_path, options.progress), name_or_path,
+                               cloud_options);
     } else if (mesh || gazebo) {
       MeshWorldOptions mesh_options;
       if (options.voxel_size > 0.0) mesh_options.resolution = options.voxel_size;
@@ -370,7 +384,7 @@ World load_world(const std::string& name_or_path, const WorldOptions& options) {
     world->name = path.stem().string();
   }
   place_start(*world, options.slice, options.start, states_start);
-  if (world->mesh != nullptr) keep_connected_space(*world);
+  if (world->mesh != nullptr || cloud) keep_connected_space(*world);
   return *std::move(world);
 }
 

@@ -13,7 +13,8 @@ namespace prospect {
 /// or plan:SEED:COLUMNSxROWS (random_floor_plan()), else by extension: .yaml/.yml
 /// (a world file, or a ROS map if it has the key `image`), .bt/.ot (OctoMap), .pgm/.png/.bmp (bare
 /// map image), .map (MovingAI), .obj/.dae/.gltf/.glb/.stl/.ply (mesh_file.h), .world/.sdf
-/// (gazebo_world.h), both voxelised at 0.05 m (mesh_world.h). What a source holds that is not in
+/// (gazebo_world.h), both voxelised at 0.05 m (mesh_world.h), .pcd and a .ply without faces
+/// (point_cloud_file.h, cloud_world.h). What a source holds that is not in
 /// the world is in World::left_out. Throws InputError: unknown name (with the nearest built-in
 /// name), missing file, no regular file, unreadable or corrupt content, an option that says nothing
 /// of such a source, no place to stand, or a given start at which the body does not fit.

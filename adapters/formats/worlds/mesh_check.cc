@@ -15,6 +15,7 @@
 
 #include "adapters/formats/files/input_error.h"
 #include "adapters/formats/worlds/left_out.h"
+#include "adapters/formats/worlds/ply_header.h"
 
 namespace prospect {
 namespace {
@@ -29,85 +30,6 @@ std::size_t lines_with(std::string_view text, std::string_view word) {
     at = text.find_first_of("\r\n", at);
   }
   return count;
-}
-
-/// A property of a PLY's element: a number of that many bytes, or a list of such numbers after its
-/// length.
-struct PlyProperty {
-  std::size_t size = 0;
-  std::size_t length_size = 0;  ///< of a list
-  bool length_signed = false;
-};
-
-struct PlyElement {
-  std::string name;
-  std::uint64_t count = 0;
-  std::vector<PlyProperty> properties;
-};
-
-std::size_t ply_size(const std::string& type) {
-  static const std::map<std::string, std::size_t> kSizes = {
-      {"char", 1},   {"int8", 1},    {"uchar", 1},  {"uint8", 1},  {"short", 2}, {"int16", 2},
-      {"ushort", 2}, {"uint16", 2},  {"int", 4},    {"int32", 4},  {"uint", 4},  {"uint32", 4},
-      {"float", 4},  {"float32", 4}, {"double", 8}, {"float64", 8}};
-  const auto found = kSizes.find(type);
-  return found == kSizes.end() ? 0 : found->second;
-}
-
-struct PlyHeader {
-  std::string format;
-  std::vector<PlyElement> elements;
-  std::size_t end = 0;  ///< where the data begin
-};
-
-PlyHeader ply_header(std::string_view bytes, const std::string& source) {
-  constexpr std::size_t kLongest = 1 << 20;
-  PlyHeader header;
-  std::size_t at = 0;
-  for (int number = 1;; ++number) {
-    const std::size_t end = bytes.substr(0, kLongest).find('\n', at);
-    if (end == std::string_view::npos) fail(source, "the header does not end; expected end_header");
-    std::string text(bytes.substr(at, end - at));
-    if (!text.empty() && text.back() == '\r') text.pop_back();
-    at = end + 1;
-    std::istringstream line(text);
-    std::string word, type, name;
-    line >> word;
-    if (number == 1) {
-      if (word != "ply") fail(source, "no PLY; expected 'ply' in the first line");
-      continue;
-    }
-    if (word == "end_header") break;
-    const auto wrong = [&] {
-      fail(source + ":" + std::to_string(number),
-           "the line " + in_quotes(text) + "; expected a header of PLY");
-    };
-    if (word == "format") {
-      line >> header.format;
-    } else if (word == "element") {
-      PlyElement element;
-      line >> element.name >> word;
-      const auto parsed = std::from_chars(word.data(), word.data() + word.size(), element.count);
-      if (!line || parsed.ec != std::errc() || parsed.ptr != word.data() + word.size()) wrong();
-      header.elements.push_back(element);
-    } else if (word == "property") {
-      if (header.elements.empty() || !(line >> type)) wrong();
-      PlyProperty property;
-      if (type == "list") {
-        std::string length;
-        if (!(line >> length >> type)) wrong();
-        property.length_size = ply_size(length);
-        property.length_signed = length == "char" || length == "int8" || length == "short" ||
-                                 length == "int16" || length == "int" || length == "int32";
-        if (property.length_size == 0 || length[0] == 'f' || length[0] == 'd') wrong();
-      }
-      property.size = ply_size(type);
-      if (property.size == 0 || !(line >> name)) wrong();
-      header.elements.back().properties.push_back(property);
-    }
-  }
-  header.end = at;
-  return header;
 }
 
 /// Lines that are not empty, but no more than `enough` of them.
@@ -204,10 +126,7 @@ void check_stl(std::string_view bytes, const std::string& source) {
 
 void check_ply(std::string_view bytes, const std::string& source) {
   const PlyHeader header = ply_header(bytes, source);
-  const auto faces = [](const PlyElement& e) { return e.name != "vertex" && e.count > 0; };
-  if (std::none_of(header.elements.begin(), header.elements.end(), faces)) {
-    fail(source, "only points (no element face); expected surfaces");
-  }
+  if (!header.has_surfaces()) fail(source, "only points (no element face); expected surfaces");
   const std::string_view data = bytes.substr(header.end);
   if (header.format == "ascii") {
     std::uint64_t lines = 0;
@@ -220,10 +139,6 @@ void check_ply(std::string_view bytes, const std::string& source) {
                        std::to_string(lines) + ", one an element (truncated)");
     }
     return;
-  }
-  if (header.format != "binary_little_endian" && header.format != "binary_big_endian") {
-    fail(source, "the format " + in_quotes(header.format) +
-                     "; expected ascii, binary_little_endian or binary_big_endian");
   }
   const std::optional<std::string> torn =
       torn_element(header, data, header.format == "binary_big_endian");

@@ -260,14 +260,6 @@ class MeshFiles : public Assimp::DefaultIOSystem {
   std::string mesh_, content_;
 };
 
-/// From coordinates with that axis up to z up.
-Eigen::Matrix3d upright(UpAxis up) {
-  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
-  if (up == UpAxis::kY) R << 1, 0, 0, 0, 0, -1, 0, 1, 0;
-  if (up == UpAxis::kX) R << 0, -1, 0, 0, 0, -1, 1, 0, 0;
-  return R;
-}
-
 /// What an .obj names that is not there or not read.
 void tell_what_obj_lacks(const std::string& path, LeftOut& left_out) {
   std::ifstream in(path, std::ios::binary);

@@ -26,9 +26,10 @@ struct WorldOptions {
   double pixel_size = 0.05;
   /// Height to which the cells of a 2-D map are extruded [m].
   double wall_height = 2.0;
-  /// [m] Size of the world's voxels, in place of resolution (maps) or 0.05 m (meshes), if more than
-  /// 0; of an image without a .yaml and of a MovingAI grid it is pixel_size. Finer than the source
-  /// is refused; so is any for a world file, which states its own.
+  /// [m] Size of the world's voxels, in place of resolution (maps), 0.05 m (meshes) or what a
+  /// cloud's points allow, if more than 0; of an image without a .yaml and of a MovingAI grid it is
+  /// pixel_size. Finer than the source is refused; so is any for a world file, which states its
+  /// own.
   double voxel_size = 0.0;
   /// What the source does not know counts as free.
   bool unknown_is_free = false;
@@ -42,8 +43,8 @@ struct WorldOptions {
   double ground_margin = 0.0;
   /// [m] Where the task leads: ground of a mesh that would not count does there.
   std::vector<Eigen::Vector2d> places;
-  /// Of meshes: the axis of the file's coordinates that is up, whatever it says; none: what it
-  /// says.
+  /// Of meshes and clouds: the axis of the file's coordinates that is up, whatever it says; none:
+  /// what it says.
   std::optional<UpAxis> up;
 };
 

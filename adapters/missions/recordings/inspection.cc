@@ -260,7 +260,8 @@ constexpr OtherKind kOtherKinds[] = {
     {".gltf", "mesh", "prospect explore"},
     {".glb", "mesh", "prospect explore"},
     {".stl", "mesh", "prospect explore"},
-    {".ply", "mesh", "prospect explore"},
+    {".ply", "mesh or cloud of points", "prospect explore"},
+    {".pcd", "cloud of points", "prospect explore"},
     {".world", "Gazebo world", "prospect explore"},
     {".sdf", "Gazebo world", "prospect explore"},
     {".h5", "planning problem", "prospect solve"},
@@ -464,8 +465,8 @@ Json inspect_path(const std::string& path, const StereoDatasetOptions& stereo,
       for (const DepthLayout& layout : depth_layouts()) looked_for.push_back(layout.looked_for);
       for (const ScanLayout& layout : scan_layouts()) looked_for.push_back(layout.looked_for);
       looked_for.push_back(
-          "a map, mesh, world or problem: .bt .ot .pgm .png .bmp .yaml .obj .dae .gltf .glb .stl "
-          ".ply .world .sdf .h5");
+          "a map, mesh, cloud, world or problem: .bt .ot .pgm .png .bmp .yaml .obj .dae .gltf .glb .stl "
+          ".ply .pcd .world .sdf .h5");
       json["looked_for"] = looked_for;
     }
   }

@@ -429,7 +429,7 @@ void add_mission_options(CLI::App* command, ExploreArguments& arguments) {
       ->add_option("world", arguments.world,
                    "Built-in name, world file, OctoMap (.bt .ot), ROS map (.yaml .pgm .png .bmp), "
                    "mesh (.obj "
-                   ".dae .gltf .glb .stl .ply) or Gazebo world")
+                   ".dae .gltf .glb .stl .ply), cloud of points (.pcd .ply) or Gazebo world")
       ->type_name("WORLD")
       ->capture_default_str();
   add_configuration(command, arguments.configuration);
