@@ -186,9 +186,13 @@ TEST(DdsSensors, ImagesDepthsAndScansGoIntoTheInbox) {
     ros::Image image;
     const char* expected;
   };
-  const Row rows[] = {{Robot::image(now, "mono8", 1, red, 16), "16 x 24 pixels; expected 32 x 24"},
-                      {Robot::image(now, "nv21", 1, red), "images in encoding 'nv21'"},
-                      {Robot::image(now, "rgb8", 3, depths), "expected all of its rows"}};
+  ros::Image of_another = Robot::image(now, "mono8", 1, std::span(red).first(768));
+  of_another.header.frame_id = "rear";
+  const Row rows[] = {
+      {of_another, "an image of frame 'rear'; expected 'left_optical' of its camera_info"},
+      {Robot::image(now, "mono8", 1, red, 16), "16 x 24 pixels; expected 32 x 24"},
+      {Robot::image(now, "nv21", 1, red), "images in encoding 'nv21'"},
+      {Robot::image(now, "rgb8", 3, depths), "expected all of its rows"}};
   for (const Row& row : rows) {
     EXPECT_TRUE(within(
         kPatience,
