@@ -81,7 +81,7 @@ if mount -t tmpfs -o size=600k tmpfs "$full" 2>/dev/null; then
   reason='No space left on device'
 else
   code=0
-  (trap '' XFSZ; ulimit -f 100; exec "$prospect" explore office --time-limit 20 --mcap --quiet \
+  (ulimit -f 100; exec "$prospect" explore office --time-limit 20 --mcap --quiet \
     --out full/run) >out.txt 2>err.txt || code=$?
   reason='File too large'
 fi
@@ -92,6 +92,13 @@ grep -qF "writing failed ($reason)" err.txt || fail "a full disk: '$(<err.txt)'"
 [[ $(tail -c 1 full/run/steps.csv | od -An -tx1) == ' 0a' ]] || fail "a full disk: half a row in steps.csv"
 [[ ! -e full/run/report.html || $(tail -c 8 full/run/report.html) == *'</html>'* ]] || fail "a full disk: half a report"
 ! ls full/run/*.part >/dev/null 2>&1 || fail "a full disk: $(ls full/run)"
+
+# The limit is a line of its own, not the death of the program.
+code=0
+(ulimit -f 20; exec "$prospect" explore office --time-limit 1 --quiet --out limited) >out.txt 2>err.txt || code=$?
+((code == 2)) && [[ "$(<err.txt)" == "prospect: limited/config.yaml: cannot be written (File too large); expected a writable folder" ]] ||
+  fail "a limit of files: exit $code, '$(<err.txt)'"
+[[ ! -e limited ]] || fail "a limit of files: left $(ls limited)"
 
 # --- An output that takes nothing.
 code=0

@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cerrno>
+#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <exception>
@@ -37,8 +38,10 @@ int refuse(const std::vector<std::string>& lines, int code) {
   return code;
 }
 
-/// A file that is opened must not become what was closed as standard output or error.
+/// A file that is opened must not become what was closed as standard output or error; one that
+/// grows beyond its limit (ulimit -f) is a write that fails, as on a full disk, and no signal.
 void open_standard_files() {
+  std::signal(SIGXFSZ, SIG_IGN);
   for (int file = 0; file >= 0 && file <= 2;) file = open("/dev/null", O_RDWR);
 }
 

@@ -355,6 +355,8 @@ int mission(const ExploreArguments& arguments, const Registries& registries,
     return observers;
   };
   options.cancelled = signals.came();
+  // Sensors of a mesh are made from pictures of all of it; others' robots are waited for.
+  progress.show("making the robot ready in " + name);
   ExplorationRunResult result = base.gazebo ? explore_gazebo(configuration, world, options)
                                 : base.dds  ? explore_dds(configuration, *base.dds, options)
                                             : run_exploration(world, configuration, options);
