@@ -2,7 +2,10 @@
 #   find_package(prospect CONFIG REQUIRED)
 #   target_link_libraries(controller PRIVATE prospect::engine prospect::solvers)
 # The adapters stay inside the program: they are how it meets files and screens. One is a library of
-# its own, prospect::problem_file, for those who want to read the problems of a mission.
+# its own, prospect::problem_file, for those who want to read the problems of a mission. All of it together is
+# prospect::robot, a shared library, for programs that drive a robot of their own:
+#   find_package(prospect CONFIG REQUIRED COMPONENTS robot)
+#   target_link_libraries(controller PRIVATE prospect::robot)
 include(CMakePackageConfigHelpers)
 # All that is installed, and the programs that pages of the docs start besides (tests/CMakeLists.txt): what
 # scripts/explore leaves.
@@ -19,6 +22,9 @@ install(TARGETS prospect_perception_knobs prospect_runtime_knobs EXPORT prospect
 install(TARGETS prospect_problem_file EXPORT prospect ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(FILES adapters/formats/problem_file/problem_file.h
   DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/prospect/adapters/formats/problem_file)
+add_dependencies(product prospect_robot)
+install(TARGETS prospect_robot EXPORT prospect LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(FILES adapters/program/robot/run_robot.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/prospect/adapters/program/robot)
 foreach(target _core _program write_depth_recording write_stereo_recording)
   if(TARGET ${target})
     add_dependencies(product ${target})

@@ -1,8 +1,8 @@
 #pragma once
 
+#include "runtime/driver.h"
 #include "runtime/preflight_run.h"
 #include "runtime/range_stop.h"
-#include "runtime/driver.h"
 #include "runtime/sensor_inbox.h"
 
 namespace prospect {

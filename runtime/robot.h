@@ -28,8 +28,9 @@ struct Robot {
   std::shared_ptr<Base> base;
   std::shared_ptr<SensorInbox> frames;  ///< where its sensors' frames come
   std::shared_ptr<BeliefSource>
-      beliefs{};                   ///< of a robot that perceives by itself; null: frames do
-  std::shared_ptr<Truth> truth{};  ///< null: nobody knows
+      beliefs{};                        ///< of a robot that perceives by itself; null: frames do
+  std::vector<SensorStream> streams{};  ///< of frames: those that it needs; else none
+  std::shared_ptr<Truth> truth{};       ///< null: nobody knows
 
   Pose start;                            ///< of B in W, when it was made
   double made = 0.0;                     ///< [s] of the clock

@@ -28,6 +28,8 @@ InputResult feed(PerceptionPipeline& perception, const SensorFrame& frame) {
           return perception.depth(f.stamp, *f.image);
         } else if constexpr (std::is_same_v<Frame, ScanFrame>) {
           return perception.scan(f.stamp, *f.in_B);
+        } else if constexpr (std::is_same_v<Frame, ExternalPose>) {
+          return perception.external_pose(f);
         } else {
           return {InputState::kRefused, "an estimate; expected images"};
         }

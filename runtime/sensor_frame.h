@@ -35,8 +35,10 @@ struct ScanFrame {
   std::shared_ptr<const Pose> pose{};  ///< B's then, of a sensor that tells it; null: it does not
 };
 
-/// What a robot's sensors deliver: one input of perception.
-using SensorFrame = std::variant<StereoFrame, WheelSample, DepthFrame, ScanFrame, EstimateFrame>;
+/// What a robot's sensors deliver: one input of perception. A pose is one that something else has
+/// measured: a localization, motion capture.
+using SensorFrame =
+    std::variant<StereoFrame, WheelSample, DepthFrame, ScanFrame, EstimateFrame, ExternalPose>;
 /// Of the left image of a pair.
 double stamp_of(const SensorFrame& frame);
 /// Hands it to perception; the result is perception's, which refuses an estimate.

@@ -47,6 +47,8 @@ std::string_view to_string(SensorStream stream) {
       return "depth";
     case SensorStream::kScan:
       return "scan";
+    case SensorStream::kPose:
+      return "pose";
   }
   return "?";
 }
@@ -57,7 +59,8 @@ SensorInbox::SensorInbox(const Clock& clock, const SensorInboxOptions& options)
       cameras_(clock_of(options.cameras_in_runtime_clock, options.clock_drift)),
       wheels_(clock_of(options.wheels_in_runtime_clock, options.clock_drift)),
       depth_(clock_of(options.depth_in_runtime_clock, options.clock_drift)),
-      scan_(clock_of(options.scan_in_runtime_clock, options.clock_drift)) {
+      scan_(clock_of(options.scan_in_runtime_clock, options.clock_drift)),
+      poses_(clock_of(options.poses_in_runtime_clock, options.clock_drift)) {
   check_knobs("sensor inbox", options_);
 }
 
@@ -69,6 +72,8 @@ ClockOffset& SensorInbox::offset_of(SensorStream stream) {
       return depth_;
     case SensorStream::kScan:
       return scan_;
+    case SensorStream::kPose:
+      return poses_;
     default:
       return cameras_;
   }
@@ -111,8 +116,9 @@ std::optional<double> SensorInbox::shifted(SensorStream stream, double stamp) {
 
 void SensorInbox::put(SensorStream stream, SensorFrame frame) {
   Stream& s = at(stream);
-  const auto capacity = static_cast<std::size_t>(
-      stream == SensorStream::kWheels ? options_.wheel_capacity : options_.capacity);
+  const bool small = stream == SensorStream::kWheels || stream == SensorStream::kPose;
+  const auto capacity =
+      static_cast<std::size_t>(small ? options_.wheel_capacity : options_.capacity);
   if (s.frames.size() >= capacity) {
     const auto oldest =
         std::min_element(s.frames.begin(), s.frames.end(),
@@ -277,6 +283,17 @@ void SensorInbox::add(ScanFrame frame) {
       ranges_.scan_before = std::exchange(ranges_.scan, frame);
     }
     put(SensorStream::kScan, std::move(frame));
+  }
+  came_.notify_one();
+}
+
+void SensorInbox::add(ExternalPose pose) {
+  {
+    const std::lock_guard lock(mutex_);
+    const std::optional<double> at_capture = shifted(SensorStream::kPose, pose.stamp);
+    if (!at_capture) return;
+    pose.stamp = *at_capture;
+    put(SensorStream::kPose, std::move(pose));
   }
   came_.notify_one();
 }

@@ -25,8 +25,8 @@ namespace prospect {
 class Knobs;
 
 /// Where frames come from. Left and right are the images of a stereo camera that come one by one.
-enum class SensorStream { kLeft, kRight, kPair, kWheels, kDepth, kScan };
-inline constexpr std::size_t kSensorStreams = 6;
+enum class SensorStream { kLeft, kRight, kPair, kWheels, kDepth, kScan, kPose };
+inline constexpr std::size_t kSensorStreams = 7;
 std::string_view to_string(SensorStream stream);
 
 /// What one camera delivers, shared, not copied: an image; or, of a camera that is a model, the
@@ -52,11 +52,11 @@ struct SensorInboxOptions {
   double pair_tolerance = 0.005;  ///< [s] between the stamps of a left and a right image of a pair
   /// Frames of each stream that wait; beyond, the oldest is dropped.
   int capacity = 8;
-  int wheel_capacity = 200;
+  int wheel_capacity = 200;  ///< likewise of wheel samples, and of poses
   /// A frame that is older than this when it is taken, from capture on, is dropped, and a stream
   /// whose newest frame is older is stale [s]. Infinite: any age. Wheel samples are taken at any
   /// age: without one of them the way that it tells of is missing from the pose.
-  double max_image_age = 0.5;
+  double max_image_age = 0.5;  ///< also of poses
   double max_wheel_age = 0.5;
   double max_range_age = 1.0;  ///< of depth images and scans
   /// Stamps are those of the runtime's clock already, as where the driver stamps what it receives
@@ -66,6 +66,7 @@ struct SensorInboxOptions {
   bool wheels_in_runtime_clock = false;
   bool depth_in_runtime_clock = false;
   bool scan_in_runtime_clock = false;
+  bool poses_in_runtime_clock = false;
   /// Most by which the clock of a source runs faster or slower than the runtime's [s/s]
   /// (ClockOffsetOptions::drift). Clocks of hardware stay below the default; the time of a
   /// simulator that does not keep up with the wall clock does not.
@@ -113,7 +114,7 @@ class SensorInbox final : public FrameSink {
  public:
   SensorInbox(const Clock& clock, const SensorInboxOptions& options);
 
-  /// A pair, wheel motion, ranges, or an estimate, which counts as both images of its pair.
+  /// A pair, wheel motion, ranges, a pose, or an estimate, which counts as both images of its pair.
   void observe(const SensorFrame& frame) override;
   void left(double stamp, CameraContent content);
   void right(double stamp, CameraContent content);
@@ -160,6 +161,7 @@ class SensorInbox final : public FrameSink {
   void add(StereoFrame frame);
   void add(DepthFrame frame);
   void add(ScanFrame frame);
+  void add(ExternalPose pose);
   static void drop(StreamCount& count, std::uint64_t StreamCount::*kind, const std::string& why);
 
   const Clock& clock_;
@@ -171,7 +173,7 @@ class SensorInbox final : public FrameSink {
   NewestRanges ranges_;
   std::optional<double> pair_offset_;
   // The cameras have one clock.
-  ClockOffset cameras_, wheels_, depth_, scan_;
+  ClockOffset cameras_, wheels_, depth_, scan_, poses_;
 };
 
 }  // namespace prospect

@@ -11,9 +11,10 @@ void describe(Knobs& knobs, SensorInboxOptions& o) {
                "between the stamps of the left and the right image of a pair");
   knobs.integer("capacity", o.capacity, {1, 1000}, "1",
                 "images, depth images or scans of a source that wait");
-  knobs.integer("wheel_capacity", o.wheel_capacity, {1, 100000}, "1", "wheel samples that wait");
+  knobs.integer("wheel_capacity", o.wheel_capacity, {1, 100000}, "1",
+                "wheel samples or poses that wait");
   knobs.number("max_image_age", o.max_image_age, {0.0, kAny}, "s",
-               "oldest image taken, from capture on");
+               "oldest image or pose taken, from capture on");
   knobs.number("max_wheel_age", o.max_wheel_age, {0.0, kAny}, "s",
                "of the newest wheel sample, beyond which wheels are stale");
   knobs.number("max_range_age", o.max_range_age, {0.0, kAny}, "s",
@@ -26,6 +27,8 @@ void describe(Knobs& knobs, SensorInboxOptions& o) {
                 "depth images are stamped by the runtime's clock");
   knobs.boolean("scan_in_runtime_clock", o.scan_in_runtime_clock,
                 "scans are stamped by the runtime's clock");
+  knobs.boolean("poses_in_runtime_clock", o.poses_in_runtime_clock,
+                "poses from outside are stamped by the runtime's clock");
   knobs.number("clock_drift", o.clock_drift, {0.0, 0.2}, "1",
                "most by which a source's clock is faster or slower than the runtime's");
 }

@@ -17,6 +17,7 @@ SensorInboxOptions in_one_clock() {
   SensorInboxOptions options;
   options.cameras_in_runtime_clock = options.wheels_in_runtime_clock = true;
   options.depth_in_runtime_clock = options.scan_in_runtime_clock = true;
+  options.poses_in_runtime_clock = true;
   return options;
 }
 
@@ -45,8 +46,9 @@ TEST(SensorInbox, GivesTheOldestStampFirstWhateverCameFirst) {
   in.box.wheels(sample(99.95));
   in.box.scan(99.91, {});
   in.box.pair(99.92, 99.92, {image(), image()});
+  in.box.observe(ExternalPose{.stamp = 99.94});
   in.box.wheels(sample(99.90));
-  EXPECT_EQ(in.taken_stamps(), (std::vector<double>{99.90, 99.91, 99.92, 99.93, 99.95}));
+  EXPECT_EQ(in.taken_stamps(), (std::vector<double>{99.90, 99.91, 99.92, 99.93, 99.94, 99.95}));
   EXPECT_FALSE(in.box.take());
 }
 

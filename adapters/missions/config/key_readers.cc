@@ -12,24 +12,26 @@ namespace {
 using Use = ConfigurationUse;
 
 bool real_time(const KeyReader& r) {
-  return r.use == Use::kDriveSimulator || r.use == Use::kDriveGazebo || r.use == Use::kDriveDds;
+  return r.use == Use::kDriveSimulator || r.use == Use::kDriveGazebo || r.use == Use::kDriveDds ||
+         r.use == Use::kDriveUser;
 }
 bool mission(const KeyReader& r) { return is_simulated(r.use) || real_time(r); }
-bool own_sensors(const KeyReader& r) {
-  return r.use == Use::kDriveGazebo || r.use == Use::kDriveDds;
-}
+bool own_sensors(const KeyReader& r) { return real_time(r) && r.use != Use::kDriveSimulator; }
 bool rendered(const KeyReader& r) { return is_simulated(r.use) && r.sensors == Sensors::kCamera; }
 bool modelled(const KeyReader& r) { return is_simulated(r.use) && r.sensors == Sensors::kModel; }
-bool cameras(const KeyReader& r) { return own_sensors(r) || rendered(r); }
+bool perceives(const KeyReader& r) { return own_sensors(r) || rendered(r); }
+bool cameras(const KeyReader& r) { return perceives(r) && (rendered(r) || r.pairs); }
 bool topics(const KeyReader& r) { return r.use == Use::kDriveDds; }
+/// Each of its sensors has a clock of its own, and what they are nobody but itself knows.
+bool real(const KeyReader& r) { return r.use == Use::kDriveDds || r.use == Use::kDriveUser; }
 bool map_of_images(const KeyReader& r) {
   return r.use == Use::kMapDepth || r.use == Use::kMapStereo;
 }
 bool map(const KeyReader& r) { return map_of_images(r) || r.use == Use::kMapScans; }
 bool own_accuracy(const KeyReader& r) { return r.use != Use::kMapStereo; }
-bool measured(const KeyReader& r) { return r.world && !topics(r); }
+bool measured(const KeyReader& r) { return r.world && !real(r); }
 bool own_stereo(const KeyReader& r) { return !topics(r); }
-bool own_principal_point(const KeyReader& r) { return !own_sensors(r); }
+bool own_principal_point(const KeyReader& r) { return !own_sensors(r) || r.use == Use::kDriveUser; }
 bool own_view(const KeyReader& r) { return !(topics(r) && r.depth.value_or(false)); }
 
 /// The keys at and below a path, who reads them, and what is said where nobody does. All rows of a
@@ -72,10 +74,13 @@ constexpr std::array kRows = {
            "of the simulator's base; expected it with --base simulator", true},
     KeyRow{"drive.inbox", own_sensors,
            "of a robot with sensors of its own; expected it with --base gazebo|dds", true},
-    KeyRow{"drive.inbox.cameras_in_runtime_clock", topics, kStamps, true},
-    KeyRow{"drive.inbox.wheels_in_runtime_clock", topics, kStamps, true},
-    KeyRow{"drive.inbox.depth_in_runtime_clock", topics, kStamps, true},
-    KeyRow{"drive.inbox.scan_in_runtime_clock", topics, kStamps, true},
+    KeyRow{"drive.inbox.cameras_in_runtime_clock", real, kStamps, true},
+    KeyRow{"drive.inbox.wheels_in_runtime_clock", real, kStamps, true},
+    KeyRow{"drive.inbox.depth_in_runtime_clock", real, kStamps, true},
+    KeyRow{"drive.inbox.scan_in_runtime_clock", real, kStamps, true},
+    KeyRow{"drive.inbox.poses_in_runtime_clock",
+           [](const KeyReader& r) { return r.use == Use::kDriveUser; },
+           "of a pose from outside; expected it in a program of one's own robot", true},
     KeyRow{"gazebo", [](const KeyReader& r) { return r.use == Use::kDriveGazebo; },
            "of a robot in Gazebo; expected it with prospect drive --base gazebo", true},
     KeyRow{"world", measured, "no world is read; expected it with a simulated world", true},
@@ -114,20 +119,20 @@ constexpr std::array kRows = {
     KeyRow{"perception.mapping.offset_quadratic", own_accuracy, kPair},
     KeyRow{"perception.depth_mapping",
            [](const KeyReader& r) {
-             return (cameras(r) && r.depth.value_or(true)) || map_of_images(r);
+             return (perceives(r) && r.depth.value_or(true)) || map_of_images(r);
            },
            "of depth images; expected a robot or a recording with them"},
     KeyRow{"perception.depth_mapping.ground.noise_quadratic", own_accuracy, kPair},
     KeyRow{"perception.depth_mapping.max_speed", own_accuracy, kPair},
     KeyRow{"perception.scan_mapping",
-           [](const KeyReader& r) { return (topics(r) && r.scans) || r.use == Use::kMapScans; },
+           [](const KeyReader& r) { return (real(r) && r.scans) || r.use == Use::kMapScans; },
            "of a lidar; expected a robot behind topics or a recording with one"},
     KeyRow{"perception.feature_density", mission, "of missions; expected it in one"},
     KeyRow{"perception.same_time", cameras, kCameras},
-    KeyRow{"perception.max_age", cameras, kCameras},
-    KeyRow{"perception.max_leap", cameras, kCameras},
-    KeyRow{"perception.max_ahead", cameras, kCameras},
-    KeyRow{"perception.most_waiting", cameras, kCameras},
+    KeyRow{"perception.max_age", perceives, kCameras},
+    KeyRow{"perception.max_leap", perceives, kCameras},
+    KeyRow{"perception.max_ahead", perceives, kCameras},
+    KeyRow{"perception.most_waiting", perceives, kCameras},
 };
 
 bool at_or_below(std::string_view key, std::string_view path) {

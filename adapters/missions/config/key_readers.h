@@ -19,6 +19,7 @@ enum class ConfigurationUse {
   kDriveDds,
   kExport,     ///< a world and the robot for Gazebo
   kRelay,      ///< the dead-man of a base behind topics
+  kDriveUser,  ///< a program's own robot
   kOdometry,   ///< of a recording
   kMapDepth,   ///< a recording of depth images
   kMapStereo,  ///< a recording of a stereo pair
@@ -36,10 +37,12 @@ struct KeyReader {
   Sensors sensors = Sensors::kModel;  ///< of the simulator
   bool wheels = true;                 ///< perception.wheels
   TaskKind task = TaskKind::kExplore;
-  std::optional<bool> textured{};             ///< the world is a mesh with textures
-  bool world = true;                          ///< a world is read
-  std::optional<bool> depth{};                ///< a robot behind topics has depth images
+  std::optional<bool> textured{};  ///< the world is a mesh with textures
+  bool world = true;               ///< a world is read
+  // Of a robot that is neither simulated nor in Gazebo.
+  std::optional<bool> depth{};                ///< it has depth images
   bool scans = true;                          ///< ... a lidar
+  bool pairs = true;                          ///< ... a stereo camera
   std::vector<std::string> told_elsewhere{};  ///< keys that the topics' file stands above
 };
 

@@ -2,8 +2,10 @@
 
 #include <octomap/OcTree.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -65,18 +67,35 @@ std::vector<WatchedStream> streams_of(const Robot& robot, const Guard::Options& 
     return {{"cameras", limits.max_pose_age, stamp(&SourceStamps::pose)},
             {"depth", limits.max_ranges_age, stamp(&SourceStamps::ranges)}};
   }
-  const SensorInbox& inbox = *robot.frames;
-  return {watched(inbox, SensorStream::kPair, "cameras", limits.max_pose_age),
-          robot.depth ? watched(inbox, SensorStream::kDepth, "depth", limits.max_ranges_age)
-                      : watched(inbox, SensorStream::kScan, "scan", limits.max_ranges_age),
-          watched(inbox, SensorStream::kWheels, "wheels", limits.max_pose_age)};
+  std::vector<WatchedStream> streams;
+  for (const SensorStream stream : robot.streams) {
+    const bool ranges = stream == SensorStream::kDepth || stream == SensorStream::kScan;
+    const bool pairs = stream == SensorStream::kPair;
+    streams.push_back(watched(*robot.frames, stream,
+                              pairs ? "cameras" : std::string(to_string(stream)),
+                              ranges ? limits.max_ranges_age : limits.max_pose_age));
+  }
+  return streams;
+}
+
+/// Whether it has stereo pairs, by which it localizes itself; else its pose comes from outside.
+bool has_pairs(const Robot& robot) {
+  return robot.beliefs || std::find(robot.streams.begin(), robot.streams.end(),
+                                    SensorStream::kPair) != robot.streams.end();
+}
+
+PerceptionPipeline pipeline_of(const Robot& robot, const Configuration& c,
+                               const std::optional<RangeCamera>& depth) {
+  PerceptionOptions options = live_perception(c, depth, robot.start);
+  if (has_pairs(robot)) return PerceptionPipeline(c.robot.stereo, options);
+  options.wheels = false;
+  return PerceptionPipeline(options);
 }
 
 /// Perception of a robot that has none of its own.
 struct OwnPerception {
   OwnPerception(const Robot& robot, const Configuration& c, const std::optional<RangeCamera>& depth)
-      : perception(c.robot.stereo, live_perception(c, depth, robot.start)),
-        beliefs(*robot.frames, perception) {
+      : perception(pipeline_of(robot, c, depth)), beliefs(*robot.frames, perception) {
     clear_start(perception.map(), c, robot.start);
   }
   PerceptionPipeline perception;
@@ -110,7 +129,9 @@ ExplorationRunResult live_mission(const Robot& robot, const Configuration& c,
                                   const Guard::Options& limits, const ReachableArea* reachable,
                                   const ExplorationRunOptions& options) {
   const std::unique_ptr<Replanner> planner = planner_for(c, options);
-  const Guard guard = guard_for(c.robot, c.planner, limits);
+  Guard::Options ages = limits;
+  if (!has_pairs(robot)) ages.max_landmarks_age = std::numeric_limits<double>::infinity();
+  const Guard guard = guard_for(c.robot, c.planner, ages);
   std::optional<RangeCamera> depth;
   if (robot.depth) {
     depth = {*robot.depth, c.robot.depth_mount, {c.robot.depth.min_range, c.robot.depth.max_range}};

@@ -21,6 +21,7 @@
 #include "adapters/program/cli/build_info.h"
 #include "adapters/program/cli/command_line_files.h"
 #include "adapters/program/cli/commands.h"
+#include "adapters/program/cli/common_options.h"
 #include "adapters/program/cli/interrupt.h"
 #include "adapters/program/cli/parse_command_line.h"
 #include "adapters/program/cli/shell_words.h"
@@ -55,21 +56,6 @@ int checked_output(int code) {
   return code == prospect::kDone ? static_cast<int>(prospect::kFailed) : code;
 }
 
-/// The command line as typed, but for the token, which is nobody's to read in a run folder.
-std::string typed_line(int argc, char** argv) {
-  std::string line;
-  bool token = false;
-  for (int i = 0; i < argc; ++i) {
-    const std::string word = argv[i];
-    constexpr std::string_view kOption = "--live-token";
-    const bool holds = word.starts_with(std::string(kOption) + "=");
-    line += i > 0 ? " " : "";
-    line += token ? "..." : holds ? std::string(kOption) + "=..." : prospect::shell_word(word);
-    token = word == kOption;
-  }
-  return line;
-}
-
 int run(int argc, char** argv, const prospect::LoadPlugin& load,
         const std::vector<std::string>& program, prospect::SignalGuard& signals) {
   using namespace prospect;
@@ -89,12 +75,7 @@ int run(int argc, char** argv, const prospect::LoadPlugin& load,
   }
   std::vector<std::string> plugins;
   for (const Command& command : commands) {
-    command.options
-        ->add_option("--plugin", plugins,
-                     "Shared library with further back ends, terms or problems; may be given "
-                     "several times")
-        ->type_name("FILE")
-        ->allow_extra_args(false);
+    add_plugins(command.options, plugins);
   }
 
   // For the build: completions and manual pages.
@@ -118,12 +99,7 @@ int run(int argc, char** argv, const prospect::LoadPlugin& load,
   }
   if (*files_command) return write_command_line_files(app, shared_folder);
   Registries registries;
-  for (const std::string& name : builtin_set_names()) registries.problems.reserve(name);
-  for (const std::string& path : plugins) {
-    const std::string warning =
-        load(path, {registries.solvers, registries.terms, registries.problems});
-    if (!warning.empty()) std::cerr << "prospect: " << warning << '\n';
-  }
+  load_plugins(plugins, load, registries);
   const Invocation invocation{registries, typed_line(argc, argv), plugins, program, signals};
   const auto chosen = std::find_if(commands.begin(), commands.end(), [](const Command& command) {
     return command.options->parsed();
@@ -133,12 +109,35 @@ int run(int argc, char** argv, const prospect::LoadPlugin& load,
 
 }  // namespace
 
-int prospect::run_command_line(int argc, char** argv, const LoadPlugin& load,
-                               const std::vector<std::string>& program) {
+std::string prospect::typed_line(int argc, const char* const* argv) {
+  std::string line;
+  bool token = false;
+  for (int i = 0; i < argc; ++i) {
+    const std::string word = argv[i];
+    constexpr std::string_view kOption = "--live-token";
+    const bool holds = word.starts_with(std::string(kOption) + "=");
+    line += i > 0 ? " " : "";
+    line += token ? "..." : holds ? std::string(kOption) + "=..." : shell_word(word);
+    token = word == kOption;
+  }
+  return line;
+}
+
+void prospect::load_plugins(const std::vector<std::string>& plugins, const LoadPlugin& load,
+                            Registries& registries) {
+  for (const std::string& name : builtin_set_names()) registries.problems.reserve(name);
+  for (const std::string& path : plugins) {
+    const std::string warning =
+        load(path, {registries.solvers, registries.terms, registries.problems});
+    if (!warning.empty()) std::cerr << "prospect: " << warning << '\n';
+  }
+}
+
+int prospect::reported(const std::function<int(SignalGuard&)>& program) {
   open_standard_files();
   SignalGuard signals;
   try {
-    return checked_output(run(argc, argv, load, program, signals));
+    return checked_output(program(signals));
   } catch (const InputError& error) {
     return refuse(error.lines(), kBadInput);
   } catch (const std::invalid_argument& error) {
@@ -148,4 +147,9 @@ int prospect::run_command_line(int argc, char** argv, const LoadPlugin& load,
   } catch (const std::exception& error) {
     return refuse({error.what()}, kFailed);
   }
+}
+
+int prospect::run_command_line(int argc, char** argv, const LoadPlugin& load,
+                               const std::vector<std::string>& program) {
+  return reported([&](SignalGuard& signals) { return run(argc, argv, load, program, signals); });
 }

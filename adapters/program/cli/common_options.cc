@@ -47,6 +47,15 @@ CLI::Validator whole_number_within(std::uint64_t min, std::uint64_t max) {
           ""};
 }
 
+void add_plugins(CLI::App* command, std::vector<std::string>& plugins) {
+  command
+      ->add_option("--plugin", plugins,
+                   "Shared library with further back ends, terms or problems; may be given "
+                   "several times")
+      ->type_name("FILE")
+      ->allow_extra_args(false);
+}
+
 void add_topics(CLI::App* command, std::map<std::string, std::string>& topics,
                 const std::vector<std::string>& uses) {
   std::string list;

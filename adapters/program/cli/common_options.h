@@ -17,6 +17,8 @@ CLI::Option* one_of(CLI::Option* option, const std::vector<std::string>& choices
 CLI::Validator number_within(double min, double max);
 /// A whole number in [min, max]: CLI11 wraps a negative one around.
 CLI::Validator whole_number_within(std::uint64_t min, std::uint64_t max);
+/// --plugin FILE.
+void add_plugins(CLI::App* command, std::vector<std::string>& plugins);
 /// Topics of a bag as USE=TOPIC, separated by commas.
 void add_topics(CLI::App* command, std::map<std::string, std::string>& topics,
                 const std::vector<std::string>& uses);

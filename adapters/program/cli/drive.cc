@@ -24,14 +24,7 @@ int drive(const DriveArguments& arguments, const Invocation& in) {
   ExploreArguments logged = arguments.mission;
   logged.log = true;
   MissionBase base;
-  std::vector<InjectedFault> faults;
-  for (const std::string& text : arguments.faults) {
-    try {
-      faults.push_back(parse_fault(text));
-    } catch (const std::invalid_argument& e) {
-      throw InputError(std::string("--fault: ") + e.what());
-    }
-  }
+  const std::vector<InjectedFault> faults = parsed_faults(arguments.faults);
   if (arguments.base == "dds") {
     if (!faults.empty()) {
       throw InputError("--fault: nothing stands between; expected it with --base simulator|gazebo");
@@ -65,6 +58,7 @@ Command drive_command(CLI::App& program) {
   DriveArguments& arguments = *given;
   CLI::App* command = program.add_subcommand(
       "drive", "The same mission in real time: threads for perception, plans and commands");
+  add_world_options(command, arguments.mission);
   add_mission_options(command, arguments.mission);
   one_of(command->add_option("--base", arguments.base,
                              "What is driven: the simulator as a robot with a clock, the "
@@ -75,13 +69,7 @@ Command drive_command(CLI::App& program) {
   command->add_flag("--measure", arguments.measure,
                     "With --base gazebo: measure by Gazebo's truth, against WORLD, which it "
                     "runs; nothing else is taken from it but the start");
-  command
-      ->add_option("--fault", arguments.faults,
-                   "Break something of the simulated robot, or of Gazebo's: SOURCE:VERB, from FROM "
-                   "s on, for FOR s "
-                   "(depth:off@10+2)")
-      ->type_name("FAULT")
-      ->allow_extra_args(false);
+  add_fault_option(command, arguments.faults);
   return {command, [given](const Invocation& in) {
             given->mission.command_line = in.typed;
             return drive(*given, in);

@@ -1,5 +1,6 @@
 #include "adapters/program/cli/explore.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdint>
@@ -28,6 +29,7 @@
 #include "adapters/missions/run/gazebo_run.h"
 #include "adapters/missions/run/planned_problem.h"
 #include "adapters/missions/run/run_folder.h"
+#include "adapters/missions/run/user_run.h"
 #include "adapters/program/cli/absent_solver.h"
 #include "adapters/program/cli/build_info.h"
 #include "adapters/program/cli/commands.h"
@@ -232,6 +234,7 @@ class SavedProblems final : public RunObserver {
 ConfigurationUse use_of(const MissionBase& base) {
   if (base.gazebo) return ConfigurationUse::kDriveGazebo;
   if (base.dds) return ConfigurationUse::kDriveDds;
+  if (base.user) return ConfigurationUse::kDriveUser;
   return base.real_time ? ConfigurationUse::kDriveSimulator : ConfigurationUse::kExplore;
 }
 
@@ -253,6 +256,11 @@ Configuration configuration_of(const ExploreArguments& arguments, const Registri
                                const MissionBase& base) {
   std::vector<YamlSetting> settings;
   if (base.gazebo) settings = gazebo_environment();
+  if (base.user) {
+    for (const std::string& told : base.user->settings) {
+      settings.emplace_back(told, "the robot '" + base.user->name + "': " + told);
+    }
+  }
   const std::vector<YamlSetting> given = arguments.configuration.settings();
   settings.insert(settings.end(), given.begin(), given.end());
   return read_configuration(arguments.configuration.file, registries, settings, use_of(base));
@@ -281,24 +289,35 @@ int mission(const ExploreArguments& arguments, const Registries& registries,
             const MissionBase& base, SignalGuard& signals) {
   const Configuration configuration = configuration_of(arguments, registries, base);
   if (tell_if_absent(configuration.solver, registries.solvers)) return kNotBuiltIn;
-  const bool unknown_world = base.dds || (base.gazebo && !base.measure);
   KeyReader reader = key_reader(configuration, use_of(base));
-  reader.world = !unknown_world;
+  reader.world = base.knows_world();
   if (base.dds) {
     reader.depth = !base.dds->depth.image.empty();
     reader.scans = !base.dds->scan.empty() || !base.dds->point_cloud.empty();
+  } else if (base.user) {
+    const std::vector<SensorStream>& streams = base.user->streams;
+    const auto has = [&](SensorStream stream) {
+      return std::find(streams.begin(), streams.end(), stream) != streams.end();
+    };
+    reader.depth = has(SensorStream::kDepth), reader.scans = has(SensorStream::kScan);
+    reader.pairs = has(SensorStream::kPair);
   }
   refuse_unread(configuration.entries, reader);
   Progress progress(arguments.quiet);
   std::shared_ptr<const World> world;
-  if (!unknown_world) world = told_world(arguments.world, configuration, use_of(base), progress);
+  if (base.knows_world()) {
+    world = told_world(arguments.world, configuration, use_of(base), progress);
+  }
 
   ExplorationRunOptions options;
   options.seed = arguments.seed;
   options.solvers = &registries.solvers;
   options.real_time = base.real_time;
 
-  const std::string name = world ? world->name : base.dds ? "dds" : "gazebo";
+  const std::string name = world       ? world->name
+                           : base.dds  ? "dds"
+                           : base.user ? base.user->name
+                                       : "gazebo";
   const std::string out = arguments.out.empty()
                               ? "runs/" + file_name(name) + "_" + file_name(configuration.solver) +
                                     "_" + std::to_string(arguments.seed)
@@ -359,6 +378,7 @@ int mission(const ExploreArguments& arguments, const Registries& registries,
   progress.show("making the robot ready in " + name);
   ExplorationRunResult result = base.gazebo ? explore_gazebo(configuration, world, options)
                                 : base.dds  ? explore_dds(configuration, *base.dds, options)
+                                : base.user ? explore_user(configuration, *base.user, options)
                                             : run_exploration(world, configuration, options);
   if (world) {
     result.record.summary.read_without = world->left_out.text();
@@ -426,7 +446,28 @@ void add_until(CLI::App* command, ConfigurationArguments& arguments) {
 
 }  // namespace
 
-void add_mission_options(CLI::App* command, ExploreArguments& arguments) {
+void add_fault_option(CLI::App* command, std::vector<std::string>& faults) {
+  command
+      ->add_option("--fault", faults,
+                   "Break something of the robot: SOURCE:VERB, from FROM s on, for FOR s "
+                   "(depth:off@10+2)")
+      ->type_name("FAULT")
+      ->allow_extra_args(false);
+}
+
+std::vector<InjectedFault> parsed_faults(const std::vector<std::string>& faults) {
+  std::vector<InjectedFault> parsed;
+  for (const std::string& text : faults) {
+    try {
+      parsed.push_back(parse_fault(text));
+    } catch (const std::invalid_argument& e) {
+      throw InputError(std::string("--fault: ") + e.what());
+    }
+  }
+  return parsed;
+}
+
+void add_world_options(CLI::App* command, ExploreArguments& arguments) {
   command
       ->add_option("world", arguments.world,
                    "Built-in name, world file, OctoMap (.bt .ot), ROS map (.yaml .pgm .png .bmp), "
@@ -434,9 +475,15 @@ void add_mission_options(CLI::App* command, ExploreArguments& arguments) {
                    ".dae .gltf .glb .stl .ply), cloud of points (.pcd .ply) or Gazebo world")
       ->type_name("WORLD")
       ->capture_default_str();
+  add_key(command, arguments.configuration, {"--sensors", "simulator.sensors"});
+  add_world_keys(command, arguments.configuration);
+  add_until(command, arguments.configuration);
+  add_key(command, arguments.configuration, {"--map", "simulator.map", "FILE"});
+}
+
+void add_mission_options(CLI::App* command, ExploreArguments& arguments) {
   add_configuration(command, arguments.configuration);
   add_key(command, arguments.configuration, {"--solver", "planner.solver", "SOLVER"});
-  add_key(command, arguments.configuration, {"--sensors", "simulator.sensors"});
   command->add_option("--seed", arguments.seed, "Seed of all noise")
       ->check(whole_number_within(0, std::numeric_limits<std::uint64_t>::max()))
       ->capture_default_str();
@@ -445,11 +492,8 @@ void add_mission_options(CLI::App* command, ExploreArguments& arguments) {
   command->add_flag("--overwrite", arguments.overwrite,
                     "Write over a drive in that folder, which nothing can repeat");
   add_key(command, arguments.configuration, {"--time-limit", "mission.time_limit"});
-  add_world_keys(command, arguments.configuration);
   add_go(command, arguments.configuration);
-  add_until(command, arguments.configuration);
   add_key(command, arguments.configuration, {"--return", "mission.return_when_done"});
-  add_key(command, arguments.configuration, {"--map", "simulator.map", "FILE"});
   command
       ->add_option("--save-problems", arguments.save_problems,
                    "Write the planning problem of every Nth step into the run folder")
@@ -482,6 +526,7 @@ Command explore_command(CLI::App& program) {
   ExploreArguments& arguments = *given;
   CLI::App* command = program.add_subcommand(
       "explore", "A simulated mission until the reachable space is explored");
+  add_world_options(command, arguments);
   add_mission_options(command, arguments);
   command->add_flag("--mcap", arguments.log,
                     "Log the mission to mission.mcap in the run folder, as drive does");

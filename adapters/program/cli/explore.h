@@ -9,6 +9,7 @@
 #include "adapters/missions/run/exploration_run.h"
 #include "adapters/program/cli/configuration_arguments.h"
 #include "adapters/robots/dds/dds_options.h"
+#include "runtime/user_robot.h"
 
 namespace CLI {
 class App;
@@ -36,17 +37,25 @@ struct ExploreArguments {
 
 /// What drives the robot of a mission.
 struct MissionBase {
-  bool gazebo = false;            ///< the Gazebo that runs, in real time; else the simulator
-  bool measure = false;           ///< Gazebo's truth measures, against arguments.world
-  std::optional<DdsOptions> dds;  ///< a robot behind topics of ROS 2, in real time
-  /// Faults of the simulator or Gazebo, in real time; none: the simulator in lockstep.
+  bool gazebo = false;              ///< the Gazebo that runs, in real time; else the simulator
+  bool measure = false;             ///< Gazebo's truth measures, against arguments.world
+  std::optional<DdsOptions> dds;    ///< a robot behind topics of ROS 2, in real time
+  const UserRobot* user = nullptr;  ///< the program's own, in real time; null: none
+  /// Faults of the robot, in real time; none: the simulator in lockstep.
   std::optional<RealTimeRun> real_time;
 
   bool in_real_time() const { return gazebo || dds || real_time; }
+  bool knows_world() const { return !dds && !user && (!gazebo || measure); }
 };
 
-/// What explore and drive take alike. arguments outlives the command line.
+/// What explore, drive and a user's robot take alike, and what is of worlds, for the first two.
+/// arguments outlives the command line.
 void add_mission_options(CLI::App* command, ExploreArguments& arguments);
+void add_world_options(CLI::App* command, ExploreArguments& arguments);
+/// --fault, for what may break.
+void add_fault_option(CLI::App* command, std::vector<std::string>& faults);
+/// Throws InputError, one line, for one that cannot be.
+std::vector<InjectedFault> parsed_faults(const std::vector<std::string>& faults);
 
 /// A mission, its run folder and summary. Returns the exit code.
 int mission(const ExploreArguments& arguments, const Registries& registries,

@@ -45,6 +45,9 @@ Robot make_robot(const DdsRobotConfiguration& options) {
   robot.clock = {parts, &parts->clock};
   robot.base = {parts, &parts->base};
   robot.frames = {parts, &parts->inbox};
+  robot.streams = {SensorStream::kPair,
+                   cameras.depth ? SensorStream::kDepth : SensorStream::kScan,
+                   SensorStream::kWheels};
   robot.start.position.z() = options.robot.base_height();
   robot.made = parts->clock.now();
   robot.depth = cameras.depth;

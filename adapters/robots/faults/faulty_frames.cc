@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "models/mixed_bits.h"
 
@@ -15,7 +16,7 @@ SensorInboxOptions FaultyFrames::inbox_options(SensorInboxOptions options,
                                                const std::vector<InjectedFault>& faults) {
   if (has_sensors_clock(faults)) {
     options.cameras_in_runtime_clock = options.depth_in_runtime_clock =
-        options.scan_in_runtime_clock = false;
+        options.scan_in_runtime_clock = options.poses_in_runtime_clock = false;
   }
   return options;
 }
@@ -98,6 +99,8 @@ void FaultyFrames::observe(const SensorFrame& frame) {
   } else if (const auto* estimate = std::get_if<EstimateFrame>(&frame); estimate && of_cameras) {
     const CameraContent content(estimate->belief);
     cameras(estimate->stamp, content, content);
+  } else if (const auto* measured = std::get_if<ExternalPose>(&frame); measured && of_cameras) {
+    pose(*measured);
   } else {
     inbox_.observe(frame);
   }
@@ -108,6 +111,19 @@ void FaultyFrames::cameras(double stamp, CameraContent left, CameraContent right
   const double now = clock_.now();
   camera(FaultSource::kLeftCamera, left_, stamp, std::move(left), now);
   camera(FaultSource::kRightCamera, right_, stamp, std::move(right), now);
+}
+
+void FaultyFrames::pose(const ExternalPose& measured) {
+  const std::lock_guard lock(mutex_);
+  const double now = clock_.now(), time = now - start_;
+  pass({FaultSource::kCameras}, pose_, measured.stamp, measured, now,
+       [&](double told, ExternalPose pose) {
+         pose.stamp = told;
+         if (holds(FaultSource::kCameras, FaultVerb::kGarbage, time)) {
+           pose.T_WB.translation().setConstant(std::numeric_limits<double>::quiet_NaN());
+         }
+         inbox_.observe(pose);
+       });
 }
 
 double FaultyFrames::any_range() {

@@ -17,9 +17,9 @@
 
 namespace prospect {
 
-/// Stereo pairs, depth images and scans of any robot on their way into an inbox, with injected
-/// faults of cameras, depth sensor and their clock (injected_fault.h). Without a fault of theirs
-/// they pass as they are.
+/// Stereo pairs, poses, depth images and scans of any robot on their way into an inbox, with injected
+/// faults of cameras, depth sensor and their clock (injected_fault.h). A pose from outside has the
+/// faults of both cameras. Without a fault of theirs they pass as they are.
 ///
 /// Thread-safety: any thread. Nothing throws after construction, but for want of memory.
 class FaultyFrames final : public FrameSink {
@@ -61,6 +61,7 @@ class FaultyFrames final : public FrameSink {
   void camera(FaultSource source, Stream<CameraContent>& stream, double stamp,
               CameraContent content, double now);
   void cameras(double stamp, CameraContent left, CameraContent right);
+  void pose(const ExternalPose& measured);
   double any_range();  // [m]
 
   const Clock& clock_;
@@ -70,6 +71,7 @@ class FaultyFrames final : public FrameSink {
   const DepthRange range_;
   std::mutex mutex_;
   Stream<CameraContent> left_, right_;
+  Stream<ExternalPose> pose_;
   Stream<DepthImage> depth_;
   Stream<Scan> scan_;
   std::uint64_t random_ = 1;

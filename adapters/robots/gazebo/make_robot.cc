@@ -83,6 +83,7 @@ Robot make_robot(const GazeboRobotConfiguration& options) {
   robot.clock = {parts, &parts->clock};
   robot.base = {parts, &parts->faulty_base};
   robot.frames = {parts, &parts->inbox};
+  robot.streams = {SensorStream::kPair, SensorStream::kDepth, SensorStream::kWheels};
   robot.start = parts->first.pose;
   robot.start.position.z() = options.robot.base_height();
   robot.made = parts->first.stamp;

@@ -1,8 +1,6 @@
 #pragma once
 
-#include <Eigen/Geometry>
-
-#include "models/types.h"
+#include "models/body_transform.h"
 #include "perception/mapping/occupancy_mapper.h"
 
 // Stands for a lidar and its surroundings: a room of 9 x 4 m with a box in the way.
@@ -14,18 +12,13 @@ inline bool occupied(double x, double y) {
   return wall || (x > 1.5 && x < 2.0 && y > -0.3 && y < 0.5);
 }
 
-inline Eigen::Isometry3d in_space(const prospect::Pose& pose) {
-  return Eigen::Translation3d(pose.position) *
-         Eigen::AngleAxisd(pose.yaw, Eigen::Vector3d::UnitZ());
-}
-
 // One turn, 0.25 m above the floor, in the frame of the body that is at `pose`.
 inline prospect::DepthScan turn_of_lidar(const prospect::Pose& pose) {
   prospect::DepthScan scan;
   scan.origin = {0.0, 0.0, 0.25};
   for (double angle = 0.0; angle < 2.0 * M_PI; angle += 0.01) {
     const Eigen::Vector3d ray(std::cos(angle), std::sin(angle), 0.0);
-    const Eigen::Vector3d ray_W = in_space(pose).rotation() * ray;
+    const Eigen::Vector3d ray_W = prospect::body_transform(pose).rotation() * ray;
     const auto free = [&](double d) {
       const Eigen::Vector3d end = pose.position + d * ray_W;
       return !occupied(end.x(), end.y());

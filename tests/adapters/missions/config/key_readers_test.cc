@@ -214,6 +214,7 @@ std::string built(Configuration c, Use use) {
   text.add_all(c.guard);
   SensorInboxOptions inbox = c.drive.inbox;
   PerceptionOptions perception = live_perception(c, std::nullopt, Pose());
+  if (use != Use::kDriveUser) inbox.poses_in_runtime_clock = true;
   if (use == Use::kDriveGazebo) {
     inbox.cameras_in_runtime_clock = inbox.wheels_in_runtime_clock = true;
     inbox.depth_in_runtime_clock = inbox.scan_in_runtime_clock = true;
@@ -329,6 +330,7 @@ TEST(KeyReaders, EachKeyReachesWhatIsBuiltOrIsRefused) {
            Kind{"export of a goal", Use::kExport, {"task.kind=go", "task.goal=[5, 5]"}, {"task."}},
            Kind{"relay", Use::kRelay, {}, {""}},
            Kind{"relay of a holonomic base", Use::kRelay, {"robot.model=holonomic"}, {"robot."}},
+           Kind{"a program's own robot", Use::kDriveUser, {}, {"drive.inbox."}},
        }) {
     SCOPED_TRACE(kind.name);
     const Configuration before = read_configuration("", {}, kind.settings, kind.use);
@@ -471,6 +473,10 @@ TEST(KeyReaders, AFileMayDescribeARobotForAllItsMissions) {
   const std::vector<YamlSetting> spaced = {"perception.scan_mapping.point_spacing=1"};
   EXPECT_THAT(said("", spaced, {.use = Use::kDriveDds, .scans = true}), ElementsAre());
   EXPECT_EQ(said("", spaced, {.use = Use::kDriveDds, .scans = false}).size(), 1U);
+  EXPECT_THAT(said("", spaced, {.use = Use::kDriveUser, .pairs = false}), ElementsAre());
+  const std::vector<std::string> cells = {"perception.odometry.corners.cells=60"};
+  EXPECT_EQ(said("", cells, {.use = Use::kDriveUser, .pairs = false}).size(), 1U);
+  EXPECT_THAT(said("", cells, {.use = Use::kDriveUser}), ElementsAre());
 }
 
 TEST(KeyReaders, OfARecordingPerceptionIsRead) {

@@ -523,10 +523,12 @@ TEST(KnobMembers, EveryNumberAndSwitchOfDrivingIsAKnob) {
     SensorInboxOptions o;
     [[maybe_unused]] auto& [pair_tolerance, capacity, wheel_capacity, max_image_age, max_wheel_age,
                             max_range_age, cameras_in_runtime_clock, wheels_in_runtime_clock,
-                            depth_in_runtime_clock, scan_in_runtime_clock, clock_drift] = o;
+                            depth_in_runtime_clock, scan_in_runtime_clock, poses_in_runtime_clock,
+                            clock_drift] = o;
     EXPECT_KNOBS(o, pair_tolerance, capacity, wheel_capacity, max_image_age, max_wheel_age,
                  max_range_age, cameras_in_runtime_clock, wheels_in_runtime_clock,
-                 depth_in_runtime_clock, scan_in_runtime_clock, clock_drift);
+                 depth_in_runtime_clock, scan_in_runtime_clock, poses_in_runtime_clock,
+                 clock_drift);
   }
   {
     RangeStopOptions o;

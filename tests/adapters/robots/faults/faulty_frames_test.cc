@@ -30,14 +30,15 @@ struct Broken {
   static SensorInboxOptions in_runtime_clock() {
     SensorInboxOptions options;
     options.cameras_in_runtime_clock = options.depth_in_runtime_clock =
-        options.scan_in_runtime_clock = true;
+        options.scan_in_runtime_clock = options.poses_in_runtime_clock = true;
     return options;
   }
-  /// A pair, a depth image and a scan each 0.1 s until so many seconds after the start; what comes.
+  /// A pair, a depth image, a scan and a pose each 0.1 s until so many seconds after the start; what comes.
   struct Came {
     std::vector<StereoFrame> pairs;
     std::vector<DepthFrame> depths;
     std::vector<ScanFrame> scans;
+    std::vector<ExternalPose> poses;
   };
   Came until(double end) {
     Came came;
@@ -49,10 +50,14 @@ struct Broken {
       DepthScan scan;
       scan.hits = {{1.0 * count, 0.0, 0.0}};
       frames.observe(ScanFrame{clock.time, std::make_shared<const DepthScan>(scan)});
+      ExternalPose pose{.stamp = clock.time};
+      pose.T_WB.translation().x() = count;
+      frames.observe(pose);
       while (const auto frame = inbox.take()) {
         if (const auto* p = std::get_if<StereoFrame>(&*frame)) came.pairs.push_back(*p);
         if (const auto* d = std::get_if<DepthFrame>(&*frame)) came.depths.push_back(*d);
         if (const auto* s = std::get_if<ScanFrame>(&*frame)) came.scans.push_back(*s);
+        if (const auto* e = std::get_if<ExternalPose>(&*frame)) came.poses.push_back(*e);
       }
     }
     return came;
@@ -72,6 +77,7 @@ TEST(FaultyFrames, WhatIsOffDoesNotCome) {
     const Broken::Came came = b.until(2.9);
     EXPECT_TRUE(came.pairs.empty()) << fault;
     EXPECT_EQ(came.depths.size(), 19U) << fault;
+    EXPECT_EQ(came.poses.size(), std::string(fault) == "cameras:off" ? 0U : 19U) << fault;
     EXPECT_GT(b.until(4.0).pairs.size(), 8U) << fault;
   }
   Broken depth("depth:off");
@@ -89,6 +95,11 @@ TEST(FaultyFrames, WhatIsStuckComesWithNewStamps) {
   ASSERT_EQ(came.pairs.size(), 19U);
   EXPECT_EQ(came.pairs.back().left->at(0, 0), 10);
   EXPECT_NEAR(came.pairs.back().left_stamp, 102.85, 1e-9);
+  EXPECT_EQ(came.poses.back().T_WB.translation().x(), 10.0);
+  EXPECT_NEAR(came.poses.back().stamp, 102.85, 1e-9);
+  Broken garbage("cameras:garbage");
+  garbage.until(1.0);
+  EXPECT_FALSE(garbage.until(2.0).poses.back().T_WB.matrix().allFinite());
   Broken depth("depth:stuck");
   depth.until(1.0);
   EXPECT_EQ(depth.until(2.9).scans.back().in_B->hits[0].x(), 10.0);

@@ -1,0 +1,16 @@
+#include "adapters/missions/run/user_run.h"
+
+#include "adapters/missions/run/live_mission.h"
+#include "adapters/robots/user/make_robot.h"
+
+namespace prospect {
+
+ExplorationRunResult explore_user(const Configuration& c, const UserRobot& user,
+                                  const ExplorationRunOptions& options) {
+  check_drives(c);
+  UserRobotConfiguration made{.user = user, .robot = c.robot, .inbox = c.drive.inbox};
+  if (options.real_time) made.faults = options.real_time->faults;
+  return live_mission(make_robot(made), c, c.guard, nullptr, options);
+}
+
+}  // namespace prospect

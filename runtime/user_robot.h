@@ -1,0 +1,44 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "models/camera.h"
+#include "models/types.h"
+#include "runtime/base.h"
+#include "runtime/emergency_stop.h"
+#include "runtime/sensor_inbox.h"
+#include "runtime/sensor_source.h"
+
+namespace prospect {
+
+/// What works a robot of one's own. One object may be both base and sensors.
+struct RobotDrivers {
+  std::shared_ptr<Base> base;
+  std::shared_ptr<SensorSource> sensors;
+  std::shared_ptr<EmergencyStopInput> emergency_stop{};  ///< null: nobody presses one
+};
+
+/// A robot of one's own: what it is, and how it is made. All else (perception, planner, guard,
+/// checks, records) is Prospect's.
+///
+/// Perception is by what the sensors deliver: `streams` are those that the robot needs, and cannot
+/// go without. With stereo pairs poses are those of visual odometry, with wheels where they turn;
+/// without, they come from outside (kPose). Depth images or scans make the map.
+struct UserRobot {
+  std::string name = "robot";  ///< for records: letters, digits, _ and -
+  std::vector<SensorStream> streams{};
+  /// What else is to be known of it: keys of the configuration, "robot.motion.v_max=0.5". They
+  /// stand above a configuration file, and below what is told on the command line.
+  std::vector<std::string> settings{};
+  std::optional<PinholeCamera> depth{};  ///< of its depth images
+  Pose start{};  ///< of B in W when it is made; the place that its body takes up there is free
+  /// Called once, before any thread of Prospect, once nothing else is amiss. What it throws ends
+  /// the program: std::invalid_argument as bad input, in one line.
+  std::function<RobotDrivers()> make;
+};
+
+}  // namespace prospect
