@@ -474,7 +474,7 @@ TEST(KeyReaders, AFileMayDescribeARobotForAllItsMissions) {
   EXPECT_THAT(said("", spaced, {.use = Use::kDriveDds, .scans = true}), ElementsAre());
   EXPECT_EQ(said("", spaced, {.use = Use::kDriveDds, .scans = false}).size(), 1U);
   EXPECT_THAT(said("", spaced, {.use = Use::kDriveUser, .pairs = false}), ElementsAre());
-  const std::vector<std::string> cells = {"perception.odometry.corners.cells=60"};
+  const std::vector<YamlSetting> cells = {"perception.odometry.corners.cells=60"};
   EXPECT_EQ(said("", cells, {.use = Use::kDriveUser, .pairs = false}).size(), 1U);
   EXPECT_THAT(said("", cells, {.use = Use::kDriveUser}), ElementsAre());
 }
