@@ -397,14 +397,14 @@ PointCloud read_ply(const std::string& bytes, const std::string& path) {
   return cloud;
 }
 
-std::string extension_of(const std::string& path) {
+std::string kind_of_cloud(const std::string& path) {
   return lower_case(fs::path(path).extension().string());
 }
 
 }  // namespace
 
 bool is_point_cloud_file(const std::string& path) {
-  const std::string extension = extension_of(path);
+  const std::string extension = kind_of_cloud(path);
   if (extension != ".ply") return extension == ".pcd";
   try {
     return !read_ply_header(path).has_surfaces();
@@ -431,7 +431,7 @@ PointCloud read_point_cloud(const std::string& path, const LoadProgress& progres
 
 PointCloud parse_point_cloud(const std::string& bytes, const std::string& source) {
   PointCloud cloud =
-      extension_of(source) == ".ply" ? read_ply(bytes, source) : read_pcd(bytes, source);
+      kind_of_cloud(source) == ".ply" ? read_ply(bytes, source) : read_pcd(bytes, source);
   if (cloud.points.empty()) fail(source, "has no point that is finite; expected a cloud of points");
   return cloud;
 }
