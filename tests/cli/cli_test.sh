@@ -385,7 +385,7 @@ done
 {
   echo "{"
   separator=""
-  for what in solvers worlds terms sets modes drive-modes adapters; do
+  for what in solvers worlds terms sets modes drive-modes links adapters; do
     printf '%s  "%s": ' "$separator" "$what"
     "$prospect" list "$what" --json | sed '2,$s/^/  /' | head -c -1
     separator=$',\n'

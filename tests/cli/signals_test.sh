@@ -69,7 +69,7 @@ until_there() {
 }
 
 # --- Whatever a command begins with, a signal ends it at once. A plug-in that does not come back holds each there.
-"$write_stereo_recording" stereo 40 || fail "no stereo recording was written"
+"$write_stereo_recording" stereo 200 || fail "no stereo recording was written"
 "$write_depth_recording" depth || fail "no depth recording was written"
 timed_out "a run" explore office --time-limit 8 --quiet --out run
 cp -r run recorded
@@ -93,9 +93,9 @@ printf '%s\n' "${calls[@]%% *}" | sort | diff - commands.txt >&2 || fail "comman
 
 # --- Worlds that take long to read, of all kinds.
 {
-  for ((i = 0; i < 300; ++i)); do echo "v $((i % 20)) $((i / 20)) 0"; done
-  echo "v 0 0 400" && echo "v 400 0 0" && echo "v 0 400 0"
-  for ((i = 0; i < 300; ++i)); do echo "f 301 302 303"; done
+  printf 'v %s\n' "0 0 0" "0 0 60" "60 0 60" "60 0 0" "0 40 60" "60 40 0"
+  echo "f 1 2 3 4"
+  for ((i = 0; i < 2000; ++i)); do echo "f 1 5 6"; done
 } >large.obj
 {
   printf 'P5\n6000 6000\n255\n'
@@ -131,8 +131,8 @@ for call in "odometry stereo" "map stereo" "explore office" "drive office" "repl
   [[ $call == replay* ]] || sleep 0.3
   stop INT "$call"
   [[ $call == replay* || -s new/summary.json ]] || fail "$call: left $(ls new)"
-  [[ $call != map* && $call != odometry* ]] || [[ "$err" =~ ^"prospect: cancelled after "[0-9]+" of 40 frames"$ ]] || fail "$call: '$err'"
-  [[ $call != map* && $call != odometry* ]] || grep -q '"cancelled after [0-9]* of 40 frames"' new/summary.json ||
+  [[ $call != map* && $call != odometry* ]] || [[ "$err" =~ ^"prospect: cancelled after "[0-9]+" of 200 frames"$ ]] || fail "$call: '$err'"
+  [[ $call != map* && $call != odometry* ]] || grep -q '"cancelled after [0-9]* of 200 frames"' new/summary.json ||
     fail "$call: its summary does not say that it was cancelled"
 done
 finish

@@ -4,14 +4,17 @@
 #include <octomap/OcTree.h>
 
 #include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
 
 #include "adapters/missions/config/configuration.h"
 #include "engine/frontiers/frontier_planner.h"
 #include "engine/maps/belief.h"
 #include "engine/maps/map_projection.h"
 #include "engine/planner/planner.h"
+#include "engine/problem/solver.h"
 #include "engine/safety/plan.h"
-#include "solvers/registry.h"
 
 namespace prospect::run_recorder_test {
 namespace {
@@ -71,10 +74,21 @@ TEST(RunRecorder, TheClearanceIsThatOfTheTermThatMeasuresIt) {
   EXPECT_EQ(recorder.finish({}, "a world", nullptr, nullptr).steps[0].clearance, 0.3125);
 }
 
-// The belief's two maps differ, which a step meets after it has chosen its landmarks.
+/// Breaks its contract, which a step meets after it has chosen its landmarks.
+class Throwing final : public Solver {
+ public:
+  std::string name() const override { return "throwing"; }
+  std::vector<OptionInfo> options() const override { return {}; }
+  std::string explain_unsupported(const Problem&) const override { return ""; }
+  Result solve(const Problem&, const WarmStart&, const Options&,
+               const StopCondition&) const override {
+    throw std::runtime_error("broken");
+  }
+};
+
 TEST(RunRecorder, AStepThatFailsOnTheWayIsRecordedAsOneThatMadeNothing) {
   const Configuration configuration = read_configuration("");
-  Planner planner(configuration.robot, configuration.planner, SolverRegistry().make("nlopt"));
+  Planner planner(configuration.robot, configuration.planner, std::make_unique<Throwing>());
   RunRecorder recorder(configuration);
   Belief belief;
   const GridFrame frame{0.1, -20, -20, 40, 40};
@@ -84,7 +98,7 @@ TEST(RunRecorder, AStepThatFailsOnTheWayIsRecordedAsOneThatMadeNothing) {
     for (int k = 0; k < voxels.depth(); ++k) voxels.set(c.i, c.j, k, CellState::kFree);
   }
   belief.ground = std::make_shared<const GroundMap>(project(voxels, {0.1, 0.5}));
-  belief.voxels = std::make_shared<const VoxelGrid>(GridFrame{0.05, -40, -40, 80, 80}, 0.0, 0.6);
+  belief.voxels = std::make_shared<const VoxelGrid>(voxels);
   belief.octree = std::make_shared<const octomap::OcTree>(0.1);
   LandmarkMap landmarks;
   landmarks.landmarks.resize(80);

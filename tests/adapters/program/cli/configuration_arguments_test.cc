@@ -76,6 +76,7 @@ std::string in_effect(const std::string& key, const std::string& file,
   ExploreArguments arguments;
   CLI::App app;
   add_mission_options(&app, arguments);
+  add_world_options(&app, arguments);
   std::reverse(line.begin(), line.end());  // as CLI11 takes them
   app.parse(line);
   for (const ConfigEntry& e :
