@@ -5,16 +5,14 @@
 
 #include <memory>
 #include <stdexcept>
-#include <string>
-#include <vector>
 
 #include "adapters/missions/config/configuration.h"
 #include "engine/frontiers/frontier_planner.h"
 #include "engine/maps/belief.h"
 #include "engine/maps/map_projection.h"
 #include "engine/planner/planner.h"
-#include "engine/problem/solver.h"
 #include "engine/safety/plan.h"
+#include "solvers/registry.h"
 
 namespace prospect::run_recorder_test {
 namespace {
@@ -74,21 +72,11 @@ TEST(RunRecorder, TheClearanceIsThatOfTheTermThatMeasuresIt) {
   EXPECT_EQ(recorder.finish({}, "a world", nullptr, nullptr).steps[0].clearance, 0.3125);
 }
 
-/// Breaks its contract, which a step meets after it has chosen its landmarks.
-class Throwing final : public Solver {
- public:
-  std::string name() const override { return "throwing"; }
-  std::vector<OptionInfo> options() const override { return {}; }
-  std::string explain_unsupported(const Problem&) const override { return ""; }
-  Result solve(const Problem&, const WarmStart&, const Options&,
-               const StopCondition&) const override {
-    throw std::runtime_error("broken");
-  }
-};
-
+// At its end, after it has chosen landmarks and candidates.
 TEST(RunRecorder, AStepThatFailsOnTheWayIsRecordedAsOneThatMadeNothing) {
   const Configuration configuration = read_configuration("");
-  Planner planner(configuration.robot, configuration.planner, std::make_unique<Throwing>());
+  Planner planner(configuration.robot, configuration.planner, SolverRegistry().make("nlopt"));
+  planner.set_cancelled([]() -> bool { throw std::runtime_error("out of order"); });
   RunRecorder recorder(configuration);
   Belief belief;
   const GridFrame frame{0.1, -20, -20, 40, 40};
