@@ -1352,10 +1352,12 @@ TEST_F(PlannerTest, ADeadlineAndACancellationLeaveAnExecutablePlan) {
   parameters_.deadline = 1e-6;
   Planner hurried = make();
   Plan plan = hurried.plan(belief);
-  for (int n = 0; n < 100 && plan.fault == PlanFault::kUnfinished; ++n) {
+  // How many steps the first map takes is the machine's affair.
+  for (int n = 0; n < 10000 && plan.fault == PlanFault::kUnfinished; ++n) {
     expect_executable(plan, belief);
     plan = hurried.plan(belief);
   }
+  ASSERT_EQ(plan.fault, PlanFault::kNone) << plan.detail;
   expect_executable(plan, belief);
   EXPECT_EQ(plan.kind, PlanKind::kSeed);
   parameters_.deadline = 0.0;
