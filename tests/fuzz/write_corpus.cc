@@ -454,6 +454,10 @@ int main(int argc, char** argv) {
   write("calibration", "opencv", kind(2) + kOpenCv);
   write("calibration", "ros", kind(3) + kInfo);
   write("trajectory", "tum", "# stamp\n0 0 0 0 0 0 0 1\n0.1 1 0 0 0 0 0 1\n");
+  write("pose_graph", "planar",
+        "VERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 1 0 0\nEDGE_SE2 0 1 1 0 0.1 9 0 0 9 0 9\n");
+  write("pose_graph", "spatial",
+        "EDGE_SE3:QUAT 0 1 1 0 0 0 0 0 1 9 0 0 0 0 0 9 0 0 0 0 9 0 0 0 9 0 0 9 0 9\n");
   write("trajectory", "kitti", "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 1 0 1 0 0 0 0 1 0\n");
   write("bag", "mcap", kind(0) + mcap(0));
   write("bag", "chunks", kind(0) + mcap(2));
