@@ -17,7 +17,7 @@ Matrix6d deviations(const Matrix6d& covariance) {
 
 }  // namespace
 
-std::vector<GraphEdge> odometry_edges(const std::vector<OdometryStep>& tree) {
+std::vector<GraphEdge> odometry_edges(const std::vector<KeyframeStep>& tree) {
   std::vector<GraphEdge> edges;
   for (std::size_t k = 1; k < tree.size(); ++k) {
     GraphEdge edge = loop_edge(tree[k].parent, static_cast<int>(k), tree[k].measured);
@@ -28,7 +28,7 @@ std::vector<GraphEdge> odometry_edges(const std::vector<OdometryStep>& tree) {
   return edges;
 }
 
-ReducedTree reduced_tree(const std::vector<OdometryStep>& tree, std::vector<char> keep) {
+ReducedTree reduced_tree(const std::vector<KeyframeStep>& tree, std::vector<char> keep) {
   const std::size_t n = tree.size();
   std::vector<char> has_child(n, 0);
   keep[0] = 1;

@@ -10,14 +10,14 @@ namespace prospect {
 
 /// How a keyframe was reached: measured from one that came before it in the tree. The first one has
 /// no parent (-1).
-struct OdometryStep {
+struct KeyframeStep {
   int parent = -1;
   RelativePose measured;
 };
 
 /// The edges of a tree of odometry, from parent to keyframe, with drift = diag(sigma)
 /// (GraphEstimate).
-std::vector<GraphEdge> odometry_edges(const std::vector<OdometryStep>& tree);
+std::vector<GraphEdge> odometry_edges(const std::vector<KeyframeStep>& tree);
 
 /// A tree with fewer keyframes: those kept, the first and those where it branches; what lies
 /// between two of them is one edge. For steps T_k with noise n_k of covariance S_k,
@@ -29,6 +29,6 @@ struct ReducedTree {
   std::vector<int> anchor;       ///< of each keyframe the last kept one on the way, by number
   std::vector<Eigen::Isometry3d> T_anchor;  ///< of each keyframe: its pose in the anchor
 };
-ReducedTree reduced_tree(const std::vector<OdometryStep>& tree, std::vector<char> keep);
+ReducedTree reduced_tree(const std::vector<KeyframeStep>& tree, std::vector<char> keep);
 
 }  // namespace prospect

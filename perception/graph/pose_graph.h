@@ -110,7 +110,7 @@ class PoseGraph {
 
   PoseGraphOptions options_;
   std::unordered_map<int, int> index_;
-  std::vector<OdometryStep> tree_;
+  std::vector<KeyframeStep> tree_;
   std::vector<Loop> loops_;
   std::vector<Eigen::Isometry3d> by_odometry_;
   bool planar_ = true;

@@ -23,7 +23,7 @@ struct ShortWay {
   ShortWay() {
     const TwoLaps laps(1, false);
     for (int k = 0; k < 8; ++k) estimate.poses.push_back(laps.truth[static_cast<std::size_t>(k)]);
-    std::vector<OdometryStep> tree(1);
+    std::vector<KeyframeStep> tree(1);
     for (int k = 0; k < 7; ++k) tree.push_back({k, laps.odometry[static_cast<std::size_t>(k)]});
     edges = odometry_edges(tree);
     RelativePose loop = {laps.between(6, 1), 100.0 * Matrix6d::Identity()};

@@ -15,7 +15,7 @@ using test::TwoLaps;
 
 TEST(OdometryTree, ReducedItIsAsSureAsInFull) {
   const TwoLaps laps(2, false);
-  std::vector<OdometryStep> tree(1);
+  std::vector<KeyframeStep> tree(1);
   for (int k = 0; k < 60; ++k) tree.push_back({k, laps.odometry[static_cast<std::size_t>(k)]});
   tree.push_back({20, laps.odometry[20]});  // a branch
   std::vector<char> keep(tree.size(), 0);
