@@ -401,6 +401,7 @@ void Planner::Impl::prepare(const Belief& given) {
 }
 
 bool Planner::Impl::go_on(double seconds) {
+  if (std::isnan(seconds)) seconds = 0.0;
   const StepTime::Clock::time_point until =
       StepTime::Clock::now() + std::chrono::duration_cast<StepTime::Clock::duration>(
                                    std::chrono::duration<double>(std::clamp(seconds, 0.0, 1e6)));

@@ -33,6 +33,12 @@ RelativePose orthonormal(RelativePose measured) {
   return measured;
 }
 
+std::vector<const GraphEdge*> pointers_to(const std::vector<GraphEdge>& edges) {
+  std::vector<const GraphEdge*> pointers;
+  for (const GraphEdge& edge : edges) pointers.push_back(&edge);
+  return pointers;
+}
+
 }  // namespace
 
 std::string_view reason(GraphInput input) {
@@ -202,9 +208,8 @@ bool PoseGraph::optimise(GraphBudget budget) {
   if (!judged_ && !judge(budget)) return false;
   if (solved_ || tree_.size() < 2) return true;
   const std::vector<GraphEdge> edges = edges_in_use();
-  std::vector<const GraphEdge*> pointers;
-  for (const GraphEdge& edge : edges) pointers.push_back(&edge);
-  solved_ = solve_graph(pointers, options_.judge.drift_sigma, 1e-6, budget, now_.estimate);
+  solved_ =
+      solve_graph(pointers_to(edges), options_.judge.drift_sigma, 1e-6, budget, now_.estimate);
   linear_.reset();
   return solved_;
 }
@@ -231,9 +236,7 @@ std::optional<PoseGraph::Matrix6d> PoseGraph::covariance(int from, int to) const
   if (!linear_) {
     linear_ = std::make_unique<Linear>();
     linear_->edges = edges_in_use();
-    std::vector<const GraphEdge*> pointers;
-    for (const GraphEdge& edge : linear_->edges) pointers.push_back(&edge);
-    linear_->graph.emplace(pointers, options_.judge.drift_sigma, now_.estimate);
+    linear_->graph.emplace(pointers_to(linear_->edges), options_.judge.drift_sigma, now_.estimate);
   }
   const LinearGraph& graph = *linear_->graph;
   if (!graph.ok()) return std::nullopt;

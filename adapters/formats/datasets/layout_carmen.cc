@@ -19,8 +19,8 @@
 #include "adapters/formats/datasets/elements.h"
 #include "adapters/formats/datasets/ros_scan_messages.h"
 #include "adapters/formats/datasets/scan_source.h"
+#include "adapters/formats/files/extension.h"
 #include "adapters/formats/files/parse_number.h"
-#include "models/lower_case.h"
 
 namespace prospect {
 namespace {
@@ -118,7 +118,7 @@ bool is_front_scan(const std::string& line) {
 
 bool is_carmen_log(const std::string& path) {
   std::error_code error;
-  const std::string ending = lower_case(std::filesystem::path(path).extension().string());
+  const std::string ending = lower_case_extension(path);
   if (ending == ".clf" || ending == ".carmen") {
     return std::filesystem::is_regular_file(path, error);
   }

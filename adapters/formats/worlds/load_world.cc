@@ -12,6 +12,7 @@
 #include <string_view>
 #include <system_error>
 
+#include "adapters/formats/files/extension.h"
 #include "adapters/formats/files/input_error.h"
 #include "adapters/formats/files/strict_yaml.h"
 #include "adapters/formats/worlds/builtin_worlds.h"
@@ -27,7 +28,6 @@
 #include "adapters/formats/worlds/ros_map.h"
 #include "adapters/formats/worlds/world_file.h"
 #include "engine/maps/heading_fit.h"
-#include "models/lower_case.h"
 #include "models/nearest_name.h"
 
 namespace prospect {
@@ -300,7 +300,7 @@ World load_world(const std::string& name_or_path, const WorldOptions& options) {
     world = world_from_yaml(random_floor_plan(plan->seed, plan->size), name_or_path, &states_start);
   } else {
     const fs::path path(name_or_path);
-    const std::string extension = lower_case(path.extension().string());
+    const std::string extension = lower_case_extension(path);
     if (!fs::exists(path, error)) {
       const bool like_a_path = !extension.empty() || name_or_path.find('/') != std::string::npos;
       std::string list;

@@ -6,23 +6,19 @@
 #include <filesystem>
 #include <iterator>
 
+#include "adapters/formats/files/extension.h"
 #include "adapters/formats/files/not_built_in.h"
 #include "adapters/formats/images/image_codec.h"
-#include "models/lower_case.h"
 
 namespace prospect {
 namespace {
 
 /// Of a file's name, in small letters, with its dot.
-std::string extension_of(const std::string& path) {
-  return lower_case(std::filesystem::path(path).extension().string());
-}
-
 }  // namespace
 
 bool is_mesh_file(const std::string& path) {
   constexpr std::array kKinds = {".obj", ".dae", ".gltf", ".glb", ".stl", ".ply"};
-  return std::find(kKinds.begin(), kKinds.end(), extension_of(path)) != kKinds.end();
+  return std::find(kKinds.begin(), kKinds.end(), lower_case_extension(path)) != kKinds.end();
 }
 
 }  // namespace prospect
@@ -469,7 +465,7 @@ TexturedMesh import(const std::string& path, const std::string& extension, UpAxi
 TexturedMesh read_mesh_file(const std::string& path, UpAxis unsaid, const Submesh& submesh,
                             const LoadProgress& progress, const std::optional<UpAxis>& up) {
   const auto refuse = [&](const std::string& what) { throw InputError(path + ": " + what); };
-  const std::string extension = extension_of(path);
+  const std::string extension = lower_case_extension(path);
   if (!is_mesh_file(path)) {
     refuse("unknown kind of mesh '" + extension +
            "'; expected .obj, .dae, .gltf, .glb, .stl or .ply");

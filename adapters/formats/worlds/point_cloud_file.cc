@@ -14,6 +14,7 @@
 #include <string_view>
 #include <system_error>
 
+#include "adapters/formats/files/extension.h"
 #include "adapters/formats/files/input_error.h"
 #include "adapters/formats/files/parse_number.h"
 #include "adapters/formats/worlds/lzf.h"
@@ -397,14 +398,10 @@ PointCloud read_ply(const std::string& bytes, const std::string& path) {
   return cloud;
 }
 
-std::string kind_of_cloud(const std::string& path) {
-  return lower_case(fs::path(path).extension().string());
-}
-
 }  // namespace
 
 bool is_point_cloud_file(const std::string& path) {
-  const std::string extension = kind_of_cloud(path);
+  const std::string extension = lower_case_extension(path);
   if (extension != ".ply") return extension == ".pcd";
   try {
     return !read_ply_header(path).has_surfaces();
@@ -431,7 +428,7 @@ PointCloud read_point_cloud(const std::string& path, const LoadProgress& progres
 
 PointCloud parse_point_cloud(const std::string& bytes, const std::string& source) {
   PointCloud cloud =
-      kind_of_cloud(source) == ".ply" ? read_ply(bytes, source) : read_pcd(bytes, source);
+      lower_case_extension(source) == ".ply" ? read_ply(bytes, source) : read_pcd(bytes, source);
   if (cloud.points.empty()) fail(source, "has no point that is finite; expected a cloud of points");
   return cloud;
 }

@@ -18,11 +18,11 @@
 #include <utility>
 #include <vector>
 
+#include "adapters/formats/files/extension.h"
 #include "adapters/formats/files/input_error.h"
 #include "adapters/formats/files/strict_yaml.h"
 #include "adapters/formats/images/checked_png.h"
 #include "adapters/formats/images/image_codec.h"
-#include "models/lower_case.h"
 
 namespace prospect {
 namespace {
@@ -46,8 +46,6 @@ struct Plan {
   int width = 0, height = 0;
   std::vector<CellState> cells;
 };
-
-std::string extension(const fs::path& path) { return lower_case(path.extension().string()); }
 
 std::string text_of(double value) {
   std::ostringstream out;
@@ -503,7 +501,7 @@ std::string find_image(const std::string& yaml, const std::string& name, const s
   }
   std::string beside;
   for (const auto& entry : fs::directory_iterator(folder.empty() ? fs::path(".") : folder, error)) {
-    const std::string e = extension(entry.path());
+    const std::string e = lower_case_extension(entry.path());
     const bool hidden = entry.path().filename().string().starts_with(".");
     const bool image = e == ".pgm" || e == ".png" || e == ".bmp";
     if (hidden || !image || beside.size() > 200) continue;
@@ -605,8 +603,9 @@ World world_from_image(const std::string& path, const WorldOptions& given) {
   WorldOptions options = given;
   const double pixel = checked_pixel_size(path, options);
   const MapImage image = read_image(path);
-  const Classes classes =
-      extension(path) == ".pgm" ? ros_classes(image, 0.65, 0.196, false) : drawn_classes(image);
+  const Classes classes = lower_case_extension(path) == ".pgm"
+                              ? ros_classes(image, 0.65, 0.196, false)
+                              : drawn_classes(image);
   return extrude(classify(image, classes), pixel, Eigen::Vector2d::Zero(), path, options);
 }
 

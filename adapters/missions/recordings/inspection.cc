@@ -15,10 +15,10 @@
 #include "adapters/formats/datasets/numbered_files.h"
 #include "adapters/formats/datasets/scan_source.h"
 #include "adapters/formats/datasets/stereo_dataset.h"
+#include "adapters/formats/files/extension.h"
 #include "adapters/missions/recordings/odometry_run.h"
 #include "adapters/missions/recordings/scan_run.h"
 #include "adapters/missions/recordings/stereo_depth_source.h"
-#include "models/lower_case.h"
 
 namespace prospect {
 namespace {
@@ -277,7 +277,7 @@ Json name_other(const std::string& path) {
     }
     return {};
   }
-  const std::string ending = lower_case(fs::path(path).extension().string());
+  const std::string ending = lower_case_extension(path);
   for (const OtherKind& kind : kOtherKinds) {
     if (ending == kind.ending) return {{"what", kind.what}, {"used_by", kind.used_by}};
   }
@@ -465,8 +465,8 @@ Json inspect_path(const std::string& path, const StereoDatasetOptions& stereo,
       for (const DepthLayout& layout : depth_layouts()) looked_for.push_back(layout.looked_for);
       for (const ScanLayout& layout : scan_layouts()) looked_for.push_back(layout.looked_for);
       looked_for.push_back(
-          "a map, mesh, cloud, world or problem: .bt .ot .pgm .png .bmp .yaml .obj .dae .gltf .glb .stl "
-          ".ply .pcd .world .sdf .h5");
+          "a map, mesh, cloud, world or problem: .bt .ot .pgm .png .bmp .yaml .obj .dae .gltf .glb "
+          ".stl .ply .pcd .world .sdf .h5");
       json["looked_for"] = looked_for;
     }
   }
