@@ -20,7 +20,7 @@ std::shared_ptr<const Belief> PipelineBeliefs::update(const std::stop_token& sto
 
 CameraPicture PipelineBeliefs::picture() {
   if (!left_) return {};
-  return {std::exchange(left_, nullptr), perception_.odometry().sightings()};
+  return {std::exchange(left_, nullptr), perception_.sightings()};
 }
 
 }  // namespace prospect

@@ -82,6 +82,7 @@ class ClockOffset {
 
   /// [s]; none until it has settled.
   std::optional<double> offset() const;
+  bool has_own_clock() const { return options_.own_clock; }
   int jumps() const { return jumps_; }      ///< since the start
   int refused() const { return refused_; }  ///< stamps that got no time, but for settling
 

@@ -80,6 +80,9 @@ constexpr std::array kTable = {
     DriveModeRow{kDriving, "a clock has jumped",
                  [](const Case& c) { return !c.facts.jumped_clock.empty(); }, kStopping,
                  DriveCause::kClockJumped},
+    DriveModeRow{kDriving, "a pose from outside has jumped",
+                 [](const Case& c) { return !c.facts.jumped_pose.empty(); }, kStopping,
+                 DriveCause::kPoseJumped},
     DriveModeRow{kDriving, "a source is stale",
                  [](const Case& c) { return !c.facts.stale_source.empty(); }, kStopping,
                  DriveCause::kSourceStale},
@@ -138,6 +141,7 @@ constexpr std::array kPolicies = {
                      &DriveModeOptions::degraded_share, false},
     DriveCausePolicy{DriveCause::kPreflight, Response::kComfortStop, nullptr, false},
     DriveCausePolicy{DriveCause::kClockJumped, Response::kComfortStop, nullptr, false},
+    DriveCausePolicy{DriveCause::kPoseJumped, Response::kEmergencyStop, nullptr, false},
     DriveCausePolicy{DriveCause::kSourceStale, Response::kComfortStop, nullptr, false},
     DriveCausePolicy{DriveCause::kPlanOver, Response::kComfortStop, nullptr, false},
     DriveCausePolicy{DriveCause::kToldToStand, Response::kComfortStop, nullptr, false},
@@ -174,6 +178,8 @@ std::string_view named(DriveCause cause, const DriveFacts& facts) {
       return facts.failed_preflight;
     case DriveCause::kClockJumped:
       return facts.jumped_clock;
+    case DriveCause::kPoseJumped:
+      return facts.jumped_pose;
     case DriveCause::kSourceStale:
       return facts.stale_source;
     case DriveCause::kObstacle:
@@ -235,6 +241,8 @@ std::string_view to_string(DriveCause cause) {
       return "pre-flight";
     case DriveCause::kClockJumped:
       return "clock jumped";
+    case DriveCause::kPoseJumped:
+      return "pose jumped";
     case DriveCause::kSourceStale:
       return "source stale";
     case DriveCause::kPlanOver:

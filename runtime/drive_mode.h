@@ -37,6 +37,7 @@ enum class DriveCause {
   kLocalizationDegraded,
   kPreflight,    ///< a check before the first motion has failed, or was not made
   kClockJumped,  ///< a clock has jumped (clock_offset.h)
+  kPoseJumped,   ///< a pose from outside has jumped (pose_jump.h)
   kSourceStale,  ///< what is needed is older than its limit
   kPlanOver,     ///< no plan says how to go on
   kToldToStand,
@@ -86,6 +87,7 @@ struct DriveFacts {
   double live_for = 0.0;       ///< [s] that all sources needed have been within their limits
   std::string stale_source{};  ///< a source that is not
   std::string jumped_clock{};  ///< since the last decision
+  std::string jumped_pose{};   ///< likewise; by how much
   std::string failed_preflight{"none was made"};  ///< a check that failed, or none was made
   bool yaw_checked = false;
   // Base.

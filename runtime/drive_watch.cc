@@ -41,6 +41,7 @@ DriveFacts DriveWatch::facts(const DriveObservation& seen) {
   facts.plan_left = seen.plan_left;
   facts.obstacle = seen.obstacle;
   facts.jumped_clock = seen.jumped_clock;
+  facts.jumped_pose = seen.jumped_pose;
 
   const bool is_new = base.connected && heard_ != base.stamp;
   if (is_new) heard_ = base.stamp;

@@ -37,10 +37,10 @@ struct DriveObservation {
   const BaseReport* base = nullptr;   ///< never null
   std::span<const SentCommand> sent;  ///< oldest first
   std::vector<ThreadReport> threads;
-  std::optional<double> plan_from_rest;  ///< DriveFacts
-  double plan_left = 0.0;                ///< DriveFacts
-  std::string obstacle;                  ///< DriveFacts
-  std::string jumped_clock;              ///< DriveFacts
+  std::optional<double> plan_from_rest;   ///< DriveFacts
+  double plan_left = 0.0;                 ///< DriveFacts
+  std::string obstacle;                   ///< DriveFacts
+  std::string jumped_clock, jumped_pose;  ///< DriveFacts
   bool told_to_drive = false, emergency_stop = false, acknowledged = false, task_over = false;
   std::string silent_emergency_stop = DriveFacts().silent_emergency_stop;
   std::string not_following;  ///< DriveFacts

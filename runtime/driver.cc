@@ -80,11 +80,17 @@ double time_left(const Plan* plan, double now) {
   return plan->stamp + (plan->committed + static_cast<double>(plan->tail.size())) * plan->dt - now;
 }
 
-/// Tells which stream's clock has jumped since it was asked the last time.
-class ClockJumps {
+/// Tells what of an inbox has jumped since it was asked the last time.
+class StreamJumps {
  public:
-  /// Name of the stream; empty: none has.
-  std::string since_last(const SensorInbox* inbox) {
+  /// How the pose from outside has; empty: it has not.
+  std::string pose(const SensorInbox* inbox) {
+    if (!inbox) return {};
+    const StreamCount count = inbox->count(SensorStream::kPose);
+    return std::exchange(poses_, count.pose_jumps) < count.pose_jumps ? count.pose_jump : "";
+  }
+  /// Name of a stream whose clock has; empty: none has.
+  std::string clock(const SensorInbox* inbox) {
     std::string jumped;
     for (std::size_t k = 0; inbox && k < kSensorStreams; ++k) {
       const auto stream = static_cast<SensorStream>(k);
@@ -97,6 +103,7 @@ class ClockJumps {
 
  private:
   std::array<int, kSensorStreams> seen_{};
+  int poses_ = 0;
 };
 
 /// Tells of a robot that is told to drive and stands.
@@ -156,7 +163,7 @@ struct Driver::Impl {
   CommandFollowing following;
   DriveState mode;
   DriverStatus seen;
-  ClockJumps jumps;
+  StreamJumps jumps;
   Standstill standstill;
   double before;  // [s] of the command before
 
@@ -277,7 +284,8 @@ DriveObservation Driver::Impl::look(const BaseReport& report, const Belief* newe
   observation.base = &report;
   observation.threads = supervisor.report(instant);
   observation.obstacle = ranges.obstacle;
-  observation.jumped_clock = jumps.since_last(parts.inbox);
+  observation.jumped_clock = jumps.clock(parts.inbox);
+  observation.jumped_pose = jumps.pose(parts.inbox);
   observation.told_to_drive = requests.told_to_drive();
   const EmergencyStopState button =
       parts.emergency_stop ? parts.emergency_stop->state(instant) : EmergencyStopState();

@@ -60,7 +60,8 @@ SensorInbox::SensorInbox(const Clock& clock, const SensorInboxOptions& options)
       wheels_(clock_of(options.wheels_in_runtime_clock, options.clock_drift)),
       depth_(clock_of(options.depth_in_runtime_clock, options.clock_drift)),
       scan_(clock_of(options.scan_in_runtime_clock, options.clock_drift)),
-      poses_(clock_of(options.poses_in_runtime_clock, options.clock_drift)) {
+      poses_(clock_of(options.poses_in_runtime_clock, options.clock_drift)),
+      jumps_(options.pose_jump) {
   check_knobs("sensor inbox", options_);
 }
 
@@ -77,6 +78,17 @@ ClockOffset& SensorInbox::offset_of(SensorStream stream) {
     default:
       return cameras_;
   }
+}
+
+std::optional<double> SensorInbox::offset(SensorStream stream) {
+  std::optional<double> least = offset_of(stream).offset();
+  if (!least || !options_.one_clock) return least;
+  for (const ClockOffset* clock : {&cameras_, &wheels_, &depth_, &scan_, &poses_}) {
+    if (const auto one = clock->offset(); clock->has_own_clock() && one) {
+      least = std::min(*least, *one);
+    }
+  }
+  return least;
 }
 
 double SensorInbox::max_age(SensorStream stream) const {
@@ -101,9 +113,12 @@ std::optional<double> SensorInbox::shifted(SensorStream stream, double stamp) {
   StreamCount& count = at(stream).count;
   ++count.received;
   ClockOffset& offset = offset_of(stream);
-  const StampReading reading = offset.add(stamp, clock_.now());
+  StampReading reading = offset.add(stamp, clock_.now());
   count.jumps = offset.jumps();
-  count.offset = offset.offset();
+  count.offset = this->offset(stream);
+  if (options_.one_clock && offset.has_own_clock() && reading.time) {
+    reading.time = std::min(*reading.time, stamp + *count.offset);
+  }
   if (!reading.time) {
     drop(count, &StreamCount::refused,
          "its stamp is " + std::string(to_string(reading.verdict)) +
@@ -293,6 +308,9 @@ void SensorInbox::add(ExternalPose pose) {
     const std::optional<double> at_capture = shifted(SensorStream::kPose, pose.stamp);
     if (!at_capture) return;
     pose.stamp = *at_capture;
+    StreamCount& count = at(SensorStream::kPose).count;
+    if (std::string jump = jumps_.add(pose); !jump.empty()) count.pose_jump = std::move(jump);
+    count.pose_jumps = pose.jumps.count;
     put(SensorStream::kPose, std::move(pose));
   }
   came_.notify_one();

@@ -18,6 +18,7 @@
 #include "runtime/clock.h"
 #include "runtime/clock_offset.h"
 #include "runtime/frame_sink.h"
+#include "runtime/pose_jump.h"
 #include "runtime/sensor_frame.h"
 
 namespace prospect {
@@ -67,10 +68,15 @@ struct SensorInboxOptions {
   bool depth_in_runtime_clock = false;
   bool scan_in_runtime_clock = false;
   bool poses_in_runtime_clock = false;
+  /// Clocks of their own are one and the same: of the offsets that streams show, each with the
+  /// least delay of its own, the least holds for all. So a stream that is always late, as poses of
+  /// a localization are, is not taken for one of a clock that is behind.
+  bool one_clock = false;
   /// Most by which the clock of a source runs faster or slower than the runtime's [s/s]
   /// (ClockOffsetOptions::drift). Clocks of hardware stay below the default; the time of a
   /// simulator that does not keep up with the wall clock does not.
   double clock_drift = 1e-4;
+  PoseJumpOptions pose_jump;  ///< of poses from outside
 };
 
 /// The knobs (models/knobs.h).
@@ -88,7 +94,9 @@ struct StreamCount {
   std::optional<double> newest;  ///< stamp of the newest frame [s], in the runtime's clock
   /// [s] that the runtime's clock is ahead of the stream's (ClockOffset); none: not settled.
   std::optional<double> offset;
-  std::string reason;  ///< why the newest that was dropped was
+  std::string reason;     ///< why the newest that was dropped was
+  int pose_jumps = 0;     ///< of poses (PoseJumpWatch)
+  std::string pose_jump;  ///< the newest of them
 };
 
 /// Where sensor adapters put what they receive, from any thread, and perception takes it from, in
@@ -158,6 +166,8 @@ class SensorInbox final : public FrameSink {
   void pair_up(SensorStream stream);
   void put(SensorStream stream, SensorFrame frame);
   ClockOffset& offset_of(SensorStream stream);
+  /// [s] that the runtime's clock is ahead of a stream's; none: not settled.
+  std::optional<double> offset(SensorStream stream);
   void add(StereoFrame frame);
   void add(DepthFrame frame);
   void add(ScanFrame frame);
@@ -174,6 +184,7 @@ class SensorInbox final : public FrameSink {
   std::optional<double> pair_offset_;
   // The cameras have one clock.
   ClockOffset cameras_, wheels_, depth_, scan_, poses_;
+  PoseJumpWatch jumps_;
 };
 
 }  // namespace prospect

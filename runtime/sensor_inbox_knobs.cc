@@ -29,6 +29,9 @@ void describe(Knobs& knobs, SensorInboxOptions& o) {
                 "scans are stamped by the runtime's clock");
   knobs.boolean("poses_in_runtime_clock", o.poses_in_runtime_clock,
                 "poses from outside are stamped by the runtime's clock");
+  knobs.boolean("one_clock", o.one_clock,
+                "clocks of sources that are not the runtime's are one and the same");
+  knobs.group("pose_jump", [&] { describe(knobs, o.pose_jump); });
   knobs.number("clock_drift", o.clock_drift, {0.0, 0.2}, "1",
                "most by which a source's clock is faster or slower than the runtime's");
 }

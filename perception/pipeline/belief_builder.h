@@ -44,6 +44,12 @@ class BeliefBuilder {
   Belief build(double stamp, const BodyPose& body, const Eigen::Matrix4d& covariance,
                BeliefMaps maps);
 
+  /// The next pose has nothing to do with those before: it has jumped.
+  void restart() {
+    has_pose_ = false;
+    twist_ = {};
+  }
+
  private:
   enum class PoseKind {
     kPredicted,

@@ -54,6 +54,9 @@ struct PerceptionOptions {
   /// A depth image or scan that is newer than the newest pose by more than this [s] waits for it.
   /// Up to then the robot is taken to go on as it does, or to stand if it has no wheels.
   double max_ahead = 0.02;
+  /// Of a pose from outside, of which a point a metre ahead is off by a larger standard deviation
+  /// [m]: it is degraded, or lost.
+  double pose_degraded = 0.5, pose_lost = 1.0;
   int most_waiting = 8;  ///< depth images and scans that wait; beyond, the oldest is left out
 };
 

@@ -25,6 +25,9 @@ void describe(Knobs& knobs, PerceptionOptions& o) {
                "of an input ahead of the newest one; more: of another clock, refused");
   knobs.number("max_ahead", o.max_ahead, {0.0, kInfinite}, "s",
                "of a depth image or scan ahead of the newest pose; more: it waits for one");
+  knobs.number("pose_degraded", o.pose_degraded, {0.0, 1000.0}, "m",
+               "of a pose from outside: standard deviation a metre ahead; more: it is degraded");
+  knobs.number("pose_lost", o.pose_lost, {0.0, 1000.0}, "m", "likewise; more: it is lost");
   knobs.integer("most_waiting", o.most_waiting, {0, 100000}, "1",
                 "depth images and scans that wait");
 }

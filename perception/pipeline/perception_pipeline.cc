@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "engine/maps/pose_error.h"
 #include "models/body_transform.h"
 #include "models/knobs.h"
 #include "models/parameter_check.h"
@@ -38,6 +39,18 @@ DepthMapperOptions depths_of(const PerceptionOptions& options) {
   DepthMapperOptions depths = options.depth_mapping;
   depths.map = options.mapping;
   return depths;
+}
+
+/// By its covariance in the plane.
+Localization state_of(const Eigen::Matrix4d& P, const PerceptionOptions& options) {
+  if (!is_pose_covariance(P)) return Localization::kLost;
+  const double mean = 0.5 * (P(0, 0) + P(1, 1));
+  const double position = mean + std::hypot(0.5 * (P(0, 0) - P(1, 1)), P(0, 1));
+  constexpr double kAhead = 1.0;  // [m]
+  const double sigma = std::sqrt(position + kAhead * kAhead * P(3, 3));
+  return sigma > options.pose_lost       ? Localization::kLost
+         : sigma > options.pose_degraded ? Localization::kDegraded
+                                         : Localization::kOk;
 }
 
 std::size_t finite_rays(const DepthScan& scan) {
@@ -183,7 +196,19 @@ InputResult PerceptionPipeline::external_pose(const ExternalPose& pose) {
                      {InputState::kRefused, "the pose is no rotation and translation"});
   }
   log_.note(InputSource::kPose, {});
+  if (external_ && pose.jumps.count != external_->jumps.count) {
+    history_ = PoseHistory(options_.max_age);
+    builder_.restart();
+  }
   external_ = pose;
+  external_->state = std::max(pose.state, state_of(pose.covariance, options_));
+  Eigen::Matrix4d& covariance = external_->covariance;
+  if (!options_.start_in_space) {  // it stands on the floor, whatever the pose says of z
+    covariance.row(2).setZero();
+    covariance.col(2).setZero();
+  }
+  const double jumped = pose.jumps.distance * pose.jumps.distance;
+  covariance.diagonal() += Eigen::Vector4d(jumped, jumped, 0.0, pose.jumps.turn * pose.jumps.turn);
   history_.add(pose.stamp, body(pose.stamp));
   enter_waiting();
   return {};

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <unordered_set>
 #include <utility>
+#include <vector>
 
 #include "engine/maps/belief.h"
 #include "models/camera.h"
@@ -44,6 +45,12 @@ struct StampedPair {
   ImageView left, right;                       ///< rectified
 };
 
+/// How poses from outside have jumped so far: what no motion of the robot explains.
+struct PoseJumps {
+  int count = 0;
+  double distance = 0.0, turn = 0.0;  ///< of all of them together [m], [rad]
+};
+
 /// A pose that something else measured: SLAM, motion capture, a recording's transforms.
 struct ExternalPose {
   double stamp = 0.0;  ///< [s]
@@ -51,12 +58,20 @@ struct ExternalPose {
   /// Of (x, y, z, yaw), as Belief's; zero: exact.
   Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();
   Localization state = Localization::kOk;
+  PoseJumps jumps{};  ///< up to this pose, of whoever judges them (runtime/pose_jump.h)
 };
 
 /// A robot's perception: stamped stereo pairs, wheel motion, depth images and scans in, the belief
 /// that the planner takes out. It owns the odometry, its fusion with wheels, the mapping, the
 /// memory of landmarks, and what holds one sensor against the other. Without an odometry poses come
 /// from outside, instead of pairs and wheels, and the belief's localization is external.
+///
+/// Poses from outside. With the covariance P of a pose, a point a metre ahead is off by
+///   sigma = sqrt(largest eigenvalue of P in (x, y) + (1 m)^2 P_yaw);
+/// above pose_degraded it is degraded, above pose_lost, or where P is no covariance, it is lost. A
+/// pose that has jumped begins anew: scans between it and the one before have no pose, and what the
+/// map drew before may be off by the jump, so the belief's covariance grows by the square of all
+/// jumps so far (surface_drift.h).
 ///
 /// Frames. W: z up, the floor is z = 0. B: the body, in the plane or free in space
 /// (start_in_space). C: the left camera, at stereo_mount. The odometry begins at T_WB(start) T_BC.
@@ -130,6 +145,10 @@ class PerceptionPipeline {
   /// Of the newest pair. Lost without one, or while depths disagree.
   const OdometryFrame& frame() const { return frame_; }
   const Odometry& odometry() const { return *odometry_; }  ///< requires one
+  /// Of the newest pair; without an odometry none.
+  std::vector<LandmarkSighting> sightings() const {
+    return odometry_ ? odometry_->sightings() : std::vector<LandmarkSighting>();
+  }
   /// What became of the newest depth image or scan that was entered or rejected, at the pose of its
   /// camera or lidar; none so far: rejected.
   const MappedFrame& mapped() const { return mapped_; }

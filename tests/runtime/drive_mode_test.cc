@@ -89,6 +89,7 @@ std::vector<RowCase> row_cases() {
       {in(kActive), with(moving(), &F::late_thread), kStopping, C::kThreadLate},
       {in(kActive), with(moving(), &F::failed_preflight), kStopping, C::kPreflight},
       {in(kActive), with(moving(), &F::jumped_clock), kStopping, C::kClockJumped},
+      {in(kActive), with(moving(), &F::jumped_pose), kStopping, C::kPoseJumped},
       {in(kDegraded), with(moving(), &F::stale_source), kStopping, C::kSourceStale},
       {in(kActive), with(moving(), &F::plan_left, 0.0), kStopping, C::kPlanOver},
       {in(kActive), with(moving(), &F::told_to_drive, false), kStopping, C::kToldToStand},

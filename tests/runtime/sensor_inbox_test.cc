@@ -317,5 +317,42 @@ TEST(SensorInbox, ARequestToStopEndsTheWait) {
   EXPECT_FALSE(came);
 }
 
+// A localization tells where the robot was a moment ago. By its own clock it would seem to be new.
+TEST(SensorInbox, OfOneClockWhatIsAlwaysLateIsOld) {
+  for (const bool one_clock : {false, true}) {
+    SensorInboxOptions options;
+    options.one_clock = one_clock;
+    Inbox in(options);
+    constexpr double kBehind = 1000.0;  // [s]
+    for (int n = 0; n < 20; ++n) {
+      in.clock.set(kNow + 0.1 * n);
+      in.box.wheels(sample(in.clock.now() - kBehind));
+      in.box.observe(ExternalPose{.stamp = in.clock.now() - kBehind - 0.15});
+    }
+    const double now = in.clock.now();
+    EXPECT_NEAR(*in.box.count(SensorStream::kWheels).newest, now, 1e-3);
+    EXPECT_NEAR(*in.box.count(SensorStream::kPose).newest, now - (one_clock ? 0.15 : 0.0), 1e-3);
+  }
+}
+
+TEST(SensorInbox, APoseThatJumpsIsCountedAndMarked) {
+  SensorInboxOptions options = in_one_clock();
+  options.pose_jump.speed = options.pose_jump.yaw_rate = 1.0;
+  Inbox in(options);
+  for (const double x : {0.0, 0.05, 0.9, 0.95}) {
+    in.clock.set(in.clock.now() + 0.05);
+    ExternalPose pose{.stamp = in.clock.now()};
+    pose.T_WB.translation().x() = x;
+    in.box.observe(pose);
+  }
+  EXPECT_EQ(in.box.count(SensorStream::kPose).pose_jumps, 1);
+  EXPECT_EQ(in.box.count(SensorStream::kPose).pose_jump, "by 0.90 m and 0.00 rad in 0.10 s");
+  std::vector<int> jumps;
+  while (const auto frame = in.box.take()) {
+    jumps.push_back(std::get<ExternalPose>(*frame).jumps.count);
+  }
+  EXPECT_EQ(jumps, (std::vector<int>{0, 0, 1, 1}));
+}
+
 }  // namespace
 }  // namespace prospect::sensor_inbox_test

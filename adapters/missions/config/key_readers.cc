@@ -24,6 +24,7 @@ bool cameras(const KeyReader& r) { return perceives(r) && (rendered(r) || r.pair
 bool topics(const KeyReader& r) { return r.use == Use::kDriveDds; }
 /// Each of its sensors has a clock of its own, and what they are nobody but itself knows.
 bool real(const KeyReader& r) { return r.use == Use::kDriveDds || r.use == Use::kDriveUser; }
+bool told_pose(const KeyReader& r) { return real(r) && r.poses; }
 bool map_of_images(const KeyReader& r) {
   return r.use == Use::kMapDepth || r.use == Use::kMapStereo;
 }
@@ -32,7 +33,7 @@ bool own_accuracy(const KeyReader& r) { return r.use != Use::kMapStereo; }
 bool measured(const KeyReader& r) { return r.world && !real(r); }
 bool own_stereo(const KeyReader& r) { return !topics(r); }
 bool own_principal_point(const KeyReader& r) { return !own_sensors(r) || r.use == Use::kDriveUser; }
-bool own_view(const KeyReader& r) { return !(topics(r) && r.depth.value_or(false)); }
+bool own_view(const KeyReader& r) { return !(topics(r) && r.view_told); }
 
 /// The keys at and below a path, who reads them, and what is said where nobody does. All rows of a
 /// key must hold.
@@ -51,11 +52,12 @@ constexpr std::string_view kModel =
 constexpr std::string_view kRendered = "of rendered images; expected simulator.sensors: camera";
 constexpr std::string_view kCameras =
     "of a robot with cameras; expected simulator.sensors: camera, or --base gazebo|dds";
+constexpr std::string_view kPose =
+    "of a pose from outside; expected it of a robot behind topics with pose.from, or of one's own";
 constexpr std::string_view kPair =
     "the recording's stereo pair tells it; expected it of depth images or scans";
 
-constexpr std::string_view kTopics =
-    "the topics of the cameras tell it; expected it with another robot";
+constexpr std::string_view kTopics = "the robot's topics tell it; expected it with another robot";
 
 constexpr std::array kRows = {
     KeyRow{"robot.stereo.fx", own_stereo, kTopics, true},
@@ -78,9 +80,11 @@ constexpr std::array kRows = {
     KeyRow{"drive.inbox.wheels_in_runtime_clock", real, kStamps, true},
     KeyRow{"drive.inbox.depth_in_runtime_clock", real, kStamps, true},
     KeyRow{"drive.inbox.scan_in_runtime_clock", real, kStamps, true},
-    KeyRow{"drive.inbox.poses_in_runtime_clock",
-           [](const KeyReader& r) { return r.use == Use::kDriveUser; },
-           "of a pose from outside; expected it in a program of one's own robot", true},
+    KeyRow{"drive.inbox.poses_in_runtime_clock", told_pose, kPose, true},
+    KeyRow{"drive.inbox.one_clock", real, kStamps, true},
+    KeyRow{"drive.inbox.pose_jump", told_pose, kPose, true},
+    KeyRow{"perception.pose_degraded", told_pose, kPose},
+    KeyRow{"perception.pose_lost", told_pose, kPose},
     KeyRow{"gazebo", [](const KeyReader& r) { return r.use == Use::kDriveGazebo; },
            "of a robot in Gazebo; expected it with prospect drive --base gazebo", true},
     KeyRow{"world", measured, "no world is read; expected it with a simulated world", true},

@@ -43,6 +43,8 @@ struct KeyReader {
   std::optional<bool> depth{};                ///< it has depth images
   bool scans = true;                          ///< ... a lidar
   bool pairs = true;                          ///< ... a stereo camera
+  bool poses = true;                          ///< ... a pose that something else tells
+  bool view_told = false;                     ///< its topics tell what its range sensor has in view
   std::vector<std::string> told_elsewhere{};  ///< keys that the topics' file stands above
 };
 

@@ -469,6 +469,65 @@ TEST(PerceptionPipeline, PosesComeFromOneSource) {
   EXPECT_EQ(given.belief()->pose.position, truth(kBegin + 1.0).position);
 }
 
+TEST(PerceptionPipeline, OfAPoseFromOutsideTheCovarianceSaysHowSureItIs) {
+  struct Case {
+    double x, yaw;  // variances
+    Localization state;
+  };
+  for (const Case& c :
+       {Case{0.0, 0.0, Localization::kOk}, Case{0.2, 0.04, Localization::kOk},
+        Case{0.2, 0.06, Localization::kDegraded}, Case{0.0, 0.3, Localization::kDegraded},
+        Case{1.1, 0.0, Localization::kLost}, Case{-0.1, 0.0, Localization::kLost},
+        Case{kNaN, 0.0, Localization::kLost}}) {
+    PerceptionPipeline perception(options_with(false, false));
+    ExternalPose pose{.stamp = kBegin};
+    pose.covariance(0, 0) = c.x;
+    pose.covariance(2, 2) = 100.0;  // it stands on the floor
+    pose.covariance(3, 3) = c.yaw;
+    perception.external_pose(pose);
+    EXPECT_EQ(perception.belief()->localization, c.state) << c.x << " " << c.yaw;
+    EXPECT_EQ(perception.belief()->covariance(2, 2), 0.0);
+    const bool mapped = perception.scan(kBegin + 0.01, lidar()).state == InputState::kTaken;
+    EXPECT_EQ(mapped, c.state == Localization::kOk);
+  }
+}
+
+TEST(PerceptionPipeline, WhatWasMappedBeforeAPoseJumpedMayBeOffByTheJump) {
+  PerceptionPipeline perception(options_with(false, false));
+  const auto tell = [&](double after, double x, const PoseJumps& jumps = {}) {
+    ExternalPose pose{.stamp = kBegin + after};
+    pose.T_WB.translation().x() = x;
+    pose.covariance(0, 0) = pose.covariance(1, 1) = 0.01;
+    pose.jumps = jumps;
+    EXPECT_EQ(perception.external_pose(pose).state, InputState::kTaken);
+  };
+  tell(0.0, 0.0);
+  perception.belief();
+  tell(0.1, 0.05);
+  EXPECT_NEAR(perception.belief()->twist.linear.x(), 0.5, 1e-9);
+  const PoseJumps jumped{1, 0.8, 0.1};
+  tell(0.2, 0.85, jumped);
+  const auto belief = perception.belief();
+  EXPECT_EQ(belief->twist.linear.norm(), 0.0) << "it is no motion";
+  EXPECT_NEAR(belief->covariance(0, 0), 0.01 + 0.64, 1e-12);
+  EXPECT_NEAR(belief->covariance(1, 1), 0.01 + 0.64, 1e-12);
+  EXPECT_NEAR(belief->covariance(3, 3), 0.01, 1e-12);
+  EXPECT_EQ(belief->localization, Localization::kOk) << "what it says of itself counts";
+  // Nobody knows where the robot was between the two.
+  EXPECT_EQ(perception.scan(kBegin + 0.15, lidar()).state, InputState::kLate);
+  tell(0.3, 0.9, jumped);
+  EXPECT_EQ(perception.scan(kBegin + 0.25, lidar()).state, InputState::kTaken);
+  EXPECT_NEAR(perception.mapped().T_WC.translation().x(), 0.875, 1e-9);
+  EXPECT_NEAR(perception.belief()->covariance(0, 0), 0.65, 1e-12);
+}
+
+// A picture for people is no localization.
+TEST(PerceptionPipeline, WithoutAnOdometryThereAreNoSightings) {
+  PerceptionPipeline perception(options_with(false, false));
+  EXPECT_EQ(perception.stereo(pair_at(kBegin)).state, InputState::kRefused);
+  EXPECT_TRUE(perception.sightings().empty());
+}
+
 TEST(PerceptionPipeline, RefusesOptionsOutOfRange) {
   const auto refused = [](const std::function<void(PerceptionOptions&)>& spoil) {
     PerceptionOptions options = options_with(true, true);

@@ -150,6 +150,7 @@ void add_simulator(Text& text, const Configuration& c) {
   }
   PerceptionOptions perception = c.perception;
   perception.scan_mapping = {};
+  perception.pose_degraded = perception.pose_lost = 0.0;
   if (perception.wheels) {
     text.add_all(o.wheels);
   } else {
@@ -189,6 +190,7 @@ void add_relay(Text& text, const Configuration& c) {
 RobotDescription as_told(const RobotDescription& robot, Use use) {
   if (use == Use::kDriveGazebo) return gazebo_robot(robot);
   DdsCameras cameras;
+  cameras.stereo.emplace();
   cameras.depth.emplace();
   return robot_with(cameras, robot);
 }
@@ -214,10 +216,15 @@ std::string built(Configuration c, Use use) {
   text.add_all(c.guard);
   SensorInboxOptions inbox = c.drive.inbox;
   PerceptionOptions perception = live_perception(c, std::nullopt, Pose());
-  if (use != Use::kDriveUser) inbox.poses_in_runtime_clock = true;
+  if (use != Use::kDriveUser) {
+    inbox.poses_in_runtime_clock = true;
+    inbox.pose_jump = {};
+    perception.pose_degraded = perception.pose_lost = 0.0;
+  }
   if (use == Use::kDriveGazebo) {
     inbox.cameras_in_runtime_clock = inbox.wheels_in_runtime_clock = true;
     inbox.depth_in_runtime_clock = inbox.scan_in_runtime_clock = true;
+    inbox.one_clock = false;
     perception.scan_mapping = {};
     text.add_all(c.gazebo);
     const GazeboOptions& g = c.gazebo;
@@ -336,7 +343,10 @@ TEST(KeyReaders, EachKeyReachesWhatIsBuiltOrIsRefused) {
     const Configuration before = read_configuration("", {}, kind.settings, kind.use);
     const std::string built_before = built(before, kind.use);
     KeyReader reader = key_reader(before, kind.use);
-    if (kind.use == Use::kDriveDds) reader.depth = true;  // as_told()
+    if (kind.use == Use::kDriveDds) {  // as_told()
+      reader.depth = reader.view_told = true;
+      reader.poses = false;
+    }
     int reached = 0, refused = 0;
     for (const ConfigEntry& e : before.entries) {
       const auto begins = [&](const std::string& key) { return e.path.starts_with(key); };
@@ -473,6 +483,13 @@ TEST(KeyReaders, AFileMayDescribeARobotForAllItsMissions) {
   const std::vector<YamlSetting> spaced = {"perception.scan_mapping.point_spacing=1"};
   EXPECT_THAT(said("", spaced, {.use = Use::kDriveDds, .scans = true}), ElementsAre());
   EXPECT_EQ(said("", spaced, {.use = Use::kDriveDds, .scans = false}).size(), 1U);
+  for (const char* key : {"drive.inbox.pose_jump.turn=1", "perception.pose_lost=2"}) {
+    EXPECT_THAT(said("", {key}, {.use = Use::kDriveDds}), ElementsAre());
+    EXPECT_EQ(said("", {key}, {.use = Use::kDriveDds, .poses = false}).size(), 1U);
+  }
+  const std::vector<YamlSetting> view = {"robot.depth.horizontal_fov=90"};
+  EXPECT_THAT(said("", view, {.use = Use::kDriveDds}), ElementsAre());
+  EXPECT_EQ(said("", view, {.use = Use::kDriveDds, .view_told = true}).size(), 1U);
   EXPECT_THAT(said("", spaced, {.use = Use::kDriveUser, .pairs = false}), ElementsAre());
   const std::vector<YamlSetting> cells = {"perception.odometry.corners.cells=60"};
   EXPECT_EQ(said("", cells, {.use = Use::kDriveUser, .pairs = false}).size(), 1U);

@@ -396,9 +396,10 @@ TEST(KnobMembers, EveryNumberAndSwitchIsAKnob) {
     PerceptionOptions o;
     [[maybe_unused]] auto& [stereo_mount, depth_camera, odometry, mapping, depth_mapping,
                             scan_mapping, wheels, wheel_fusion, feature_density, start,
-                            start_in_space, same_time, max_age, max_leap, max_ahead, most_waiting] =
-        o;
-    EXPECT_KNOBS(o, wheels, same_time, max_age, max_leap, max_ahead, most_waiting);
+                            start_in_space, same_time, max_age, max_leap, max_ahead, pose_degraded,
+                            pose_lost, most_waiting] = o;
+    EXPECT_KNOBS(o, wheels, same_time, max_age, max_leap, max_ahead, pose_degraded, pose_lost,
+                 most_waiting);
   }
   {
     FeatureDensityOptions o;
@@ -524,11 +525,16 @@ TEST(KnobMembers, EveryNumberAndSwitchOfDrivingIsAKnob) {
     [[maybe_unused]] auto& [pair_tolerance, capacity, wheel_capacity, max_image_age, max_wheel_age,
                             max_range_age, cameras_in_runtime_clock, wheels_in_runtime_clock,
                             depth_in_runtime_clock, scan_in_runtime_clock, poses_in_runtime_clock,
-                            clock_drift] = o;
+                            one_clock, clock_drift, pose_jump] = o;
     EXPECT_KNOBS(o, pair_tolerance, capacity, wheel_capacity, max_image_age, max_wheel_age,
                  max_range_age, cameras_in_runtime_clock, wheels_in_runtime_clock,
-                 depth_in_runtime_clock, scan_in_runtime_clock, poses_in_runtime_clock,
+                 depth_in_runtime_clock, scan_in_runtime_clock, poses_in_runtime_clock, one_clock,
                  clock_drift);
+  }
+  {
+    PoseJumpOptions o;
+    [[maybe_unused]] auto& [distance, turn, speed, yaw_rate] = o;
+    EXPECT_KNOBS(o, distance, turn);
   }
   {
     RangeStopOptions o;
