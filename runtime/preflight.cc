@@ -185,7 +185,7 @@ CheckResult gain_check(const std::string& name, double from, const std::optional
 }
 
 constexpr const char* kNoWheels = "the base reports no motion";
-constexpr const char* kNoCameras = "visual odometry has no motion";
+constexpr const char* kNoPose = "the pose has no motion";
 
 /// The checks `names` of a motion of which too little was commanded; empty: it was enough.
 std::vector<CheckResult> too_little(const std::vector<std::string>& names, const char* unit,
@@ -218,8 +218,12 @@ std::string_view to_string(CheckVerdict verdict) {
 std::vector<CheckResult> checks_before_motion(const PreflightFacts& facts,
                                               const PreflightOptions& options) {
   check_knobs("preflight", options);
-  std::vector<CheckResult> results = {height_check(facts, options), tilt_check(facts, options),
-                                      body_check(facts, options), stereo_check(facts, options)};
+  std::vector<CheckResult> results;
+  if (facts.depth_camera) {
+    results = {height_check(facts, options), tilt_check(facts, options)};
+  }
+  results.push_back(body_check(facts, options));
+  if (facts.stereo_pair) results.push_back(stereo_check(facts, options));
   for (const PreflightFacts::Clock& clock : facts.clocks) results.push_back(clock_check(clock));
   if (facts.clocks.empty()) results.push_back(not_possible("clocks", "no source was named"));
   for (const PreflightFacts::Stream& stream : facts.streams) {
@@ -242,7 +246,7 @@ std::vector<CheckResult> checks_before_motion(const PreflightFacts& facts,
 
 std::vector<CheckResult> checks_of_turn(const ShortMotion& turn, const PreflightOptions& options) {
   check_knobs("preflight", options);
-  const std::vector<std::string> names = {"yaw of the wheels", "yaw of the cameras", "slip"};
+  const std::vector<std::string> names = {"yaw of the wheels", "yaw of the pose", "slip"};
   // No number is too little, too.
   const double commanded = std::isfinite(turn.commanded) ? turn.commanded : 0.0;
   auto results = too_little(names, "rad", commanded, options.least_turn);
@@ -251,15 +255,15 @@ std::vector<CheckResult> checks_of_turn(const ShortMotion& turn, const Preflight
                           ": it turns the other way; expected positive to the left",
                           options.yaw_warn, options.yaw_fail};
   return {gain_check(names[0], commanded, turn.wheels, kNoWheels, words),
-          gain_check(names[1], commanded, turn.cameras, kNoCameras, words),
-          turn.wheels ? gain_check(names[2], *turn.wheels, turn.cameras, kNoCameras, words)
+          gain_check(names[1], commanded, turn.pose, kNoPose, words),
+          turn.wheels ? gain_check(names[2], *turn.wheels, turn.pose, kNoPose, words)
                       : not_possible(names[2], kNoWheels)};
 }
 
 std::vector<CheckResult> checks_of_distance(const ShortMotion& way,
                                             const PreflightOptions& options) {
   check_knobs("preflight", options);
-  const std::vector<std::string> names = {"way of the wheels", "way of the cameras"};
+  const std::vector<std::string> names = {"way of the wheels", "way of the pose"};
   const double commanded = std::isfinite(way.commanded) ? way.commanded : 0.0;
   auto results = too_little(names, "m", commanded, options.least_distance);
   if (!results.empty()) return results;
@@ -267,7 +271,7 @@ std::vector<CheckResult> checks_of_distance(const ShortMotion& way,
                           ": it drives the other way; expected positive forwards",
                           options.distance_warn, options.distance_fail};
   return {gain_check(names[0], commanded, way.wheels, kNoWheels, words),
-          gain_check(names[1], commanded, way.cameras, kNoCameras, words)};
+          gain_check(names[1], commanded, way.pose, kNoPose, words)};
 }
 
 std::string first_failed(const std::vector<CheckResult>& results) {

@@ -56,6 +56,8 @@ struct PreflightFacts {
     double sigma_tilt = 0.0;                   ///< [rad]
   };
   std::optional<Floor> floor{};
+  bool depth_camera = true;  ///< it has one; else its height and tilt are no checks
+  bool stereo_pair = true;   ///< likewise, and cameras in step
   /// Heights in W that the body sweeps (RobotDescription::slice()) [m], and the map's resolution.
   std::optional<VerticalExtent> body{};
   double resolution = 0.1;  ///< [m]
@@ -97,8 +99,8 @@ struct PreflightFacts {
   Limit speed{}, yaw_rate{}, deceleration{};  ///< [m/s], [rad/s], [m/s^2]
 };
 
-/// Checks that need no motion, always the same ones in the same order, those of clocks and streams
-/// once for each:
+/// Checks that need no motion, always in the same order, those of clocks and streams once for each,
+/// those of cameras where there are some:
 ///   camera height, camera tilt   against the mount;
 ///   body above the floor         the floor as it is seen must not reach the body's lowest layer of
 ///                                voxels. A camera that is 2 cm lower than stated lifts the floor
@@ -125,15 +127,15 @@ std::vector<CheckResult> checks_before_motion(const PreflightFacts& facts,
 /// [m].
 struct ShortMotion {
   double commanded = 0.0;
-  std::optional<double> wheels{};   ///< the base's own odometry
-  std::optional<double> cameras{};  ///< visual odometry
+  std::optional<double> wheels{};  ///< the base's own odometry
+  std::optional<double> pose{};    ///< of the belief: visual odometry, or who else localizes
 };
-/// The checks that need motion: "yaw of the wheels", "yaw of the cameras", each against what was
-/// commanded, and "slip", cameras against wheels. A base that turns the other way, or not by a
+/// The checks that need motion: "yaw of the wheels", "yaw of the pose", each against what was
+/// commanded, and "slip", pose against wheels. A base that turns the other way, or not by a
 /// quarter of it, fails. Pure.
 std::vector<CheckResult> checks_of_turn(const ShortMotion& turn,
                                         const PreflightOptions& options = {});
-/// Likewise "way of the wheels" and "way of the cameras".
+/// Likewise "way of the wheels" and "way of the pose".
 std::vector<CheckResult> checks_of_distance(const ShortMotion& way,
                                             const PreflightOptions& options = {});
 

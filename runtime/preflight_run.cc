@@ -112,7 +112,7 @@ class Run {
         try_motion({false, options_.distance, std::min(options_.speed, 0.5 * model.max_speed())},
                    result, driven);
     add(checks_of_distance(driven, options_.checks), "no way: ", no_way, result);
-    result.yaw_checked = no_turn.empty() && (turned.wheels || turned.cameras);
+    result.yaw_checked = no_turn.empty() && (turned.wheels || turned.pose);
     if (is_cancelled()) {
       result.checks.push_back({"checks", CheckVerdict::kFailed, "they were cancelled"});
     }
@@ -303,8 +303,8 @@ class Run {
     if (after->localization != Localization::kLost) {
       const double yaw = before->pose.yaw;
       const Eigen::Vector3d way = after->pose.position - before->pose.position;
-      made.cameras = motion.turns ? std::remainder(after->pose.yaw - yaw, 2.0 * M_PI)
-                                  : way.x() * std::cos(yaw) + way.y() * std::sin(yaw);
+      made.pose = motion.turns ? std::remainder(after->pose.yaw - yaw, 2.0 * M_PI)
+                               : way.x() * std::cos(yaw) + way.y() * std::sin(yaw);
     }
     return hindered;
   }

@@ -42,7 +42,7 @@ struct PreflightInputs {
 /// checks_before_motion(). Floor and stereo pairs are judged by the median of several looks.
 /// If none fails it turns by `turn` and what braking adds; checks_of_turn() compares. If none fails
 /// then it drives `distance` straight ahead; checks_of_distance() compares. The base's own odometry
-/// is its wheels, the pose of the belief the cameras.
+/// is its wheels.
 ///
 /// Both motions go through a CommandLoop: they ramp within the model's rates, and the guard must
 /// pass each of their commands on the newest map, as must `ranges`. Who has the robot stand or stop

@@ -83,7 +83,7 @@ TEST(HealthReport, TextHoldsAllOfIt) {
   NamedLatency latency{"capture to wheel", {}};
   for (int n = 0; n < 10; ++n) latency.histogram.add(0.1);
   r.latencies = {latency};
-  r.preflight.push_back({"yaw of the cameras", CheckVerdict::kWarned, "gain 0.87"});
+  r.preflight.push_back({"yaw of the pose", CheckVerdict::kWarned, "gain 0.87"});
   r.preflight.push_back({"slip", CheckVerdict::kNotPossible, "no wheels"});
   EventLog log;
   log.add(62.0, Severity::kError, "depth", "stale", "0.82 s old");
@@ -99,7 +99,7 @@ TEST(HealthReport, TextHoldsAllOfIt) {
             "  thread planner: on time, age 210 ms, limit 1.00 s\n"
             "! thread log: late, age 2.50 s, limit 1.00 s\n"
             "  latency capture to wheel: n 10, p50 100 ms, p99 100 ms, max 100 ms\n"
-            "  check yaw of the cameras: warned: gain 0.87\n"
+            "  check yaw of the pose: warned: gain 0.87\n"
             "  check slip: not possible: no wheels\n"
             "  events: 1 info, 0 warning, 1 error, 0 fatal, 0 dropped\n"
             "! 62.000 error depth: stale: 0.82 s old\n"

@@ -107,8 +107,8 @@ TEST_F(PreflightRun, TurnsAndCompares) {
   const PreflightResult result = make();
   EXPECT_TRUE(result.yaw_checked);
   EXPECT_EQ(first_failed(result.checks), "") << to_text(result.checks);
-  for (const char* name : {"yaw of the wheels", "yaw of the cameras", "slip", "way of the wheels",
-                           "way of the cameras"}) {
+  for (const char* name : {"yaw of the wheels", "yaw of the pose", "slip", "way of the wheels",
+                           "way of the pose"}) {
     EXPECT_NE(check(result, name).verdict, Verdict::kNotPossible) << check(result, name).why;
   }
   EXPECT_GT(base_.pose().yaw, 0.1);
@@ -120,14 +120,14 @@ TEST_F(PreflightRun, TurnsAndCompares) {
 TEST_F(PreflightRun, CamerasThatTurnTheOtherWayFail) {
   beliefs_.gain = -1.0;
   const PreflightResult result = make();
-  EXPECT_EQ(first_failed(result.checks), "yaw of the cameras") << to_text(result.checks);
+  EXPECT_EQ(first_failed(result.checks), "yaw of the pose") << to_text(result.checks);
   EXPECT_EQ(check(result, "yaw of the wheels").verdict == Verdict::kFailed, false);
 }
 
 TEST_F(PreflightRun, ABaseThatDrivesTheOtherWayFails) {
   beliefs_.way_gain = -1.0;
   const PreflightResult result = make();
-  EXPECT_EQ(first_failed(result.checks), "way of the cameras") << to_text(result.checks);
+  EXPECT_EQ(first_failed(result.checks), "way of the pose") << to_text(result.checks);
   EXPECT_TRUE(result.yaw_checked);
 }
 

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <map>
@@ -90,6 +91,20 @@ TEST(Preflight, SkipsNothingInSilence) {
     EXPECT_FALSE(result.why.empty());
   }
   EXPECT_EQ(first_failed(results), "streams");
+}
+
+TEST(Preflight, OfARobotWithoutCamerasNothingIsAskedOfThem) {
+  const auto names = [](bool depth, bool pair) {
+    PreflightFacts facts;
+    facts.depth_camera = depth;
+    facts.stereo_pair = pair;
+    const std::vector<std::string> all = names_of(checks_before_motion(facts));
+    return std::vector<std::string>(all.begin(), std::find(all.begin(), all.end(), "clocks"));
+  };
+  using Names = std::vector<std::string>;
+  EXPECT_EQ(names(false, false), Names{"body above the floor"});
+  EXPECT_EQ(names(false, true), (Names{"body above the floor", "cameras in step"}));
+  EXPECT_EQ(names(true, false), (Names{"camera height", "camera tilt", "body above the floor"}));
 }
 
 TEST(Preflight, TableOfFaults) {
@@ -210,7 +225,7 @@ TEST(Preflight, SignAndGainOfYaw) {
   struct Case {
     const char* what;
     ShortMotion turn;
-    CheckVerdict wheels, cameras, slip;
+    CheckVerdict wheels, pose, slip;
   };
   for (const Case& c :
        {Case{"as commanded", {0.2, 0.2, 0.199}, kPassed, kPassed, kPassed},
@@ -221,16 +236,16 @@ TEST(Preflight, SignAndGainOfYaw) {
         Case{"twice as far", {0.2, 0.4, 0.4}, kFailed, kFailed, kPassed},
         Case{"stands", {0.2, 0.0, 0.001}, kFailed, kFailed, kFailed},
         Case{"spins on its wheels", {0.2, 0.2, 0.01}, kPassed, kFailed, kFailed},
-        Case{"no cameras", {0.2, 0.2, {}}, kPassed, kNotPossible, kNotPossible},
+        Case{"no pose", {0.2, 0.2, {}}, kPassed, kNotPossible, kNotPossible},
         Case{"no wheels", {0.2, {}, 0.2}, kNotPossible, kPassed, kNotPossible},
         Case{"no number", {0.2, 0.2, kNan}, kPassed, kFailed, kFailed},
         Case{"no turn", {0.05, 0.05, 0.05}, kNotPossible, kNotPossible, kNotPossible},
         Case{"no command", {kNan, 0.2, 0.2}, kNotPossible, kNotPossible, kNotPossible}}) {
     const std::vector<CheckResult> results = checks_of_turn(c.turn);
     EXPECT_THAT(names_of(results),
-                ::testing::ElementsAre("yaw of the wheels", "yaw of the cameras", "slip"));
+                ::testing::ElementsAre("yaw of the wheels", "yaw of the pose", "slip"));
     EXPECT_EQ(to_string(results[0].verdict), to_string(c.wheels)) << c.what << results[0].why;
-    EXPECT_EQ(to_string(results[1].verdict), to_string(c.cameras)) << c.what << results[1].why;
+    EXPECT_EQ(to_string(results[1].verdict), to_string(c.pose)) << c.what << results[1].why;
     EXPECT_EQ(to_string(results[2].verdict), to_string(c.slip)) << c.what << results[2].why;
   }
   EXPECT_THAT(checks_of_turn({0.2, -0.2, -0.2})[0].why, HasSubstr("turns the other way"));
@@ -241,7 +256,7 @@ TEST(Preflight, SignAndGainOfTheWay) {
   struct Case {
     const char* what;
     ShortMotion way;
-    CheckVerdict wheels, cameras;
+    CheckVerdict wheels, pose;
   };
   for (const Case& c :
        {Case{"as commanded", {0.05, 0.05, 0.052}, kPassed, kPassed},
@@ -254,10 +269,9 @@ TEST(Preflight, SignAndGainOfTheWay) {
         Case{"no way", {0.01, 0.01, 0.01}, kNotPossible, kNotPossible},
         Case{"no command", {kNan, 0.05, 0.05}, kNotPossible, kNotPossible}}) {
     const std::vector<CheckResult> results = checks_of_distance(c.way);
-    EXPECT_THAT(names_of(results),
-                ::testing::ElementsAre("way of the wheels", "way of the cameras"));
+    EXPECT_THAT(names_of(results), ::testing::ElementsAre("way of the wheels", "way of the pose"));
     EXPECT_EQ(to_string(results[0].verdict), to_string(c.wheels)) << c.what << results[0].why;
-    EXPECT_EQ(to_string(results[1].verdict), to_string(c.cameras)) << c.what << results[1].why;
+    EXPECT_EQ(to_string(results[1].verdict), to_string(c.pose)) << c.what << results[1].why;
   }
   EXPECT_THAT(checks_of_distance({0.05, -0.05, {}})[0].why, HasSubstr("drives the other way"));
 }
