@@ -1,6 +1,7 @@
 // A simulated robot behind topics of ROS 2, as `prospect drive --base dds` meets a real one: stereo
 // images, depth images and their calibrations, odometry; it takes velocity commands, and stops by
-// itself when they cease. Over loopback.
+// itself when they cease. With a pose from outside (pose.from) it has a lidar, wheels and somebody
+// who localizes it instead of cameras (tests/adapters/dds_lidar_robot.h). Over loopback.
 //
 //   dds_robot FILE.yaml [WORLD] [--seconds T] [--image-rate HZ] [--vendor cyclone|fast]
 //             [--set KEY=VALUE]...
@@ -35,6 +36,7 @@
 #include "benchmarks/guarded_main.h"
 #include "benchmarks/program_options.h"
 #include "runtime/clock.h"
+#include "tests/adapters/dds_lidar_robot.h"
 #ifdef PROSPECT_WITH_FASTDDS
 #include "tests/adapters/fast_node.h"
 #endif
@@ -67,33 +69,6 @@ ros::Image image_message(const ros::Header& header, int width, int height, const
   return m;
 }
 
-/// The motors: what was commanded last, until it is too old.
-class Motors {
- public:
-  explicit Motors(double dead_man) : dead_man_(dead_man) {}
-  void command(const ros::Twist& twist) {
-    const std::lock_guard lock(mutex_);
-    command_ = {{twist.linear.x, twist.linear.y, 0.0}, twist.angular.z};
-    newest_ = clock_.now();
-  }
-  Twist now() {
-    const std::lock_guard lock(mutex_);
-    if (clock_.now() - newest_ < dead_man_) return command_;
-    stops_ += command_.linear.norm() + std::abs(command_.yaw_rate) > 0.0;
-    command_ = {};
-    return command_;
-  }
-  int stops() const { return stops_; }
-
- private:
-  SteadyClock clock_;
-  double dead_man_;
-  std::mutex mutex_;
-  Twist command_;
-  double newest_ = -1e9;
-  int stops_ = 0;
-};
-
 struct RobotOptions {
   DdsOptions topics;
   Configuration configuration;
@@ -101,6 +76,17 @@ struct RobotOptions {
   double seconds = 60.0;     // until it ends
   double image_rate = 10.0;  // of stereo pairs and depth images [Hz]
 };
+
+void print_truth(const KinematicRobot& body, const Pose& start, int stops) {
+  const Pose at = body.pose();
+  const Eigen::Rotation2Dd back(-start.yaw);
+  const Eigen::Vector2d moved = back * (at.position - start.position).head<2>();
+  std::printf(
+      "way %.1f m, contacts %d, at (%.2f, %.2f) turned by %.2f rad, stopped by the dead-man "
+      "%d times\n",
+      body.path_length(), body.collisions(), moved.x(), moved.y(),
+      std::remainder(at.yaw - start.yaw, 2.0 * M_PI), stops);
+}
 
 /// Node: DdsNode, or another with its declarations.
 template <typename Node>
@@ -132,14 +118,7 @@ class Robot {
     std::jthread motors([&] { drive(end); });
     see(end);
     motors.join();
-    const Pose at = body_.pose();
-    const Eigen::Rotation2Dd back(-start_.yaw);
-    const Eigen::Vector2d moved = back * (at.position - start_.position).head<2>();
-    std::printf(
-        "way %.1f m, contacts %d, at (%.2f, %.2f) turned by %.2f rad, stopped by the dead-man "
-        "%d times\n",
-        body_.path_length(), body_.collisions(), moved.x(), moved.y(),
-        std::remainder(at.yaw - start_.yaw, 2.0 * M_PI), motors_.stops());
+    print_truth(body_, start_, motors_.stops());
   }
 
  private:
@@ -222,9 +201,19 @@ class Robot {
   std::mutex mutex_;  // of the body
   KinematicRobot body_;
   Twist twist_;
-  Motors motors_;
+  test::DdsMotors motors_;
   int left_, right_, depth_, left_info_, right_info_, depth_info_, odometry_;
 };
+
+int drive_by_lidar(const RobotOptions& options, const DdsAddress& address) {
+  const World world = load_world(options.world, world_options_for(options.configuration));
+  test::DdsLidarRobot robot(world, options.configuration.robot, options.topics, address);
+  const SteadyClock clock;
+  clock.wait_until(clock.now() + options.seconds, {});
+  robot.stop();
+  print_truth(robot.body(), robot.start(), robot.motors().stops());
+  return 0;
+}
 
 int run(int argc, char** argv) {
   std::string file, vendor = "cyclone";
@@ -256,6 +245,7 @@ int run(int argc, char** argv) {
     throw InputError("--vendor fast: Fast DDS is not installed (libfastrtps-dev)");
 #endif
   }
+  if (!options.topics.has_stereo()) return drive_by_lidar(options, address);
   DdsNode node(address);
   Robot robot(options, node);
   node.start();

@@ -112,6 +112,17 @@ std::optional<Eigen::Isometry3d> TransformTree::nearest(const std::string& to,
   });
 }
 
+std::optional<double> TransformTree::newest_stamp(const std::string& to,
+                                                  const std::string& from) const {
+  std::optional<double> newest;
+  const bool known = between(to, from, [&](const Trajectory& poses) {
+                       if (poses.empty()) return std::optional<Eigen::Isometry3d>();
+                       newest = std::min(newest.value_or(poses.back().stamp), poses.back().stamp);
+                       return std::optional(poses.back().T);
+                     }).has_value();
+  return known ? newest : std::nullopt;
+}
+
 void TransformTree::forget_before(double stamp) {
   for (auto& [child, link] : links_) {
     if (link.poses.empty()) continue;

@@ -38,6 +38,9 @@ class TransformTree {
   /// one nearest in time, at most `reach` [s] off.
   std::optional<Eigen::Isometry3d> nearest(const std::string& to, const std::string& from,
                                            double stamp, double reach) const;
+  /// The newest stamp that find() knows them at [s]: of the transforms that move between them, the
+  /// one that is behind. None: they are not connected, or none moves.
+  std::optional<double> newest_stamp(const std::string& to, const std::string& from) const;
   /// Drops what moves and is older than `stamp` [s], but for the newest of each.
   void forget_before(double stamp);
   /// Whether they hang together, at whatever time.

@@ -9,8 +9,11 @@ ExplorationRunResult explore_dds(const Configuration& given, const DdsOptions& t
                                  const ExplorationRunOptions& options) {
   check_drives(given);
   Configuration c = given;
+  SensorInboxOptions inbox = inbox_of(c);
+  // What tf connects is of one clock.
+  inbox.one_clock = inbox.one_clock || !topics.has_stereo();
   const Robot robot = make_robot(DdsRobotConfiguration{
-      .topics = topics, .robot = c.robot, .inbox = c.drive.inbox, .requests = options.requests});
+      .topics = topics, .robot = c.robot, .inbox = inbox, .requests = options.requests});
   take_settings(robot, c);
   return live_mission(robot, c, c.guard, nullptr, options);
 }

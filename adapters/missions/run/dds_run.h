@@ -7,11 +7,11 @@
 namespace prospect {
 
 /// A mission on a robot behind topics of ROS 2, in real time, with this project's own perception.
-/// The robot begins at the origin of W, looking along x, with the place that its body takes up
-/// free, as of a robot that was put down where there is room. Cameras are as its topics say; the
-/// configuration's robot is what else it is, and observers are asked for with both. Nobody knows
-/// the world: what is true is unknown in the records (Summary::measured). Each step is published
-/// (DdsPublisher).
+/// The robot begins at the origin of W, looking along x, or where something else says that it is
+/// (DdsOptions::pose_source), with the place that its body takes up free, as of a robot that was
+/// put down where there is room. Cameras are as its topics say; the configuration's robot is what
+/// else it is, and observers are asked for with both. Nobody knows the world: what is true is
+/// unknown in the records (Summary::measured). Each step is published (DdsPublisher).
 ///
 /// Throws before observers are asked for, when nothing has been sent to the base: InputError, a
 /// line each, for calibrations and transforms that do not come, and topics that do not fit;

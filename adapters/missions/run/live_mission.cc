@@ -167,6 +167,8 @@ ExplorationRunResult live_mission(const Robot& robot, const Configuration& c,
   PreflightInputs inputs;
   inputs.known.body = c.robot.slice();
   inputs.known.resolution = c.perception.mapping.resolution;
+  inputs.known.depth_camera = robot.depth.has_value();
+  inputs.known.stereo_pair = has_pairs(robot);
   inputs.cancelled = mission.cancelled;
   inputs.observers = mission.observers;
   if (depth) {
@@ -204,6 +206,13 @@ void start_records(RunRecorder& recorder, const Configuration& c,
   const std::vector<RunObserver*> observers = options.observers(c);
   recorder.watched_by(observers);
   mission.observers.insert(mission.observers.end(), observers.begin(), observers.end());
+}
+
+SensorInboxOptions inbox_of(const Configuration& c) {
+  SensorInboxOptions inbox = c.drive.inbox;
+  inbox.pose_jump.speed = c.robot.model->max_speed();
+  inbox.pose_jump.yaw_rate = c.robot.model->max_yaw_rate();
+  return inbox;
 }
 
 MissionOptions mission_options_for(const Configuration& c) {

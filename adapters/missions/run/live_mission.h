@@ -30,6 +30,9 @@ ExplorationRunResult live_mission(const Robot& robot, const Configuration& confi
 /// fit it, std::invalid_argument as check_drives() does.
 void take_settings(const Robot& robot, Configuration& configuration);
 
+/// drive.inbox, with what the robot can do at most: beyond, a pose from outside has jumped.
+SensorInboxOptions inbox_of(const Configuration& configuration);
+
 /// Those of the configuration, with what is enough by what is true.
 MissionOptions mission_options_for(const Configuration& configuration);
 

@@ -294,6 +294,9 @@ int mission(const ExploreArguments& arguments, const Registries& registries,
   if (base.dds) {
     reader.depth = !base.dds->depth.image.empty();
     reader.scans = !base.dds->scan.empty() || !base.dds->point_cloud.empty();
+    reader.view_told = base.dds->tells_view();
+    reader.pairs = base.dds->has_stereo();
+    reader.poses = !reader.pairs;
   } else if (base.user) {
     const std::vector<SensorStream>& streams = base.user->streams;
     const auto has = [&](SensorStream stream) {
@@ -301,6 +304,7 @@ int mission(const ExploreArguments& arguments, const Registries& registries,
     };
     reader.depth = has(SensorStream::kDepth), reader.scans = has(SensorStream::kScan);
     reader.pairs = has(SensorStream::kPair);
+    reader.poses = !reader.pairs;
   }
   refuse_unread(configuration.entries, reader);
   Progress progress(arguments.quiet);

@@ -80,6 +80,8 @@ std::vector<Link> dds_links(const DdsOptions& o, const SensorInboxOptions& inbox
          .doubled = kBaseFault,
          .wrong = kSourceStale});
   };
+  sensor("pose", o.pose.topic, inbox.max_image_age, o.frames.map,
+         "a unit quaternion, no variance below 0; one that jumps is a stop");
   constexpr const char* kImage = "size of the calibration";
   sensor("left images", o.stereo.left, inbox.max_image_age, "", kImage);
   sensor("right images", o.stereo.right, inbox.max_image_age, "", kImage);
@@ -94,7 +96,9 @@ std::vector<Link> dds_links(const DdsOptions& o, const SensorInboxOptions& inbox
          .topic = topic,
          .least = 0,
          .most = 0,
-         .values = "a mount that moves is a base fault"});
+         .values = "a mount that moves is a base fault",
+         .absent = o.pose_source == DdsOptions::PoseSource::kTf ? std::optional(kSourceStale)
+                                                                : std::nullopt});
   }
   return links;
 }

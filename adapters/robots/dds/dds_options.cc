@@ -62,6 +62,74 @@ std::optional<double> limit(YamlMap map, const char* key, const char* unit, cons
   return std::nullopt;
 }
 
+/// Who says where the robot is.
+void read_pose(YamlMap root, TopicReader& topics, DdsOptions& o) {
+  using Source = DdsOptions::PoseSource;
+  YamlMap pose = root.map("pose");
+  auto& p = o.pose;
+  const std::string from = pose.choice("from", "stereo", {"stereo", "tf", "topic"},
+                                       "who says where the robot is: its stereo pair, tf, or the "
+                                       "topic of a localization");
+  o.pose_source = from == "tf" ? Source::kTf : from == "topic" ? Source::kTopic : Source::kStereo;
+  p.topic = topics.read(pose, "topic", "", "poses in frames.map", TopicReader::Empty::kAllowed);
+  const std::string package = "geometry_msgs/msg/";
+  p.type = pose.choice("type", "PoseWithCovarianceStamped",
+                       {"PoseWithCovarianceStamped", "PoseStamped", "Odometry"}, "of the topic");
+  p.type = (p.type == "Odometry" ? "nav_msgs/msg/" : package) + p.type;
+  p.frame = read_frame(pose, "frame", o.frames.base, "whose pose it is");
+  p.sigma = pose.number("sigma", p.sigma, 0.0, 10.0, "m", "where no covariance is told");
+  p.sigma_yaw = pose.number("sigma_yaw", p.sigma_yaw, 0.0, 3.0, "rad", "likewise");
+  if ((from == "topic") == p.topic.empty()) {
+    pose.problem(p.topic.empty() ? "from" : "topic",
+                 p.topic.empty() ? "no topic tells it; expected pose.topic, too"
+                                 : "from is " + from + "; expected pose.from: topic");
+  }
+  for (const char* key : {"type", "frame"}) {
+    if (from != "topic" && pose.has(key)) {
+      pose.problem(key, "from is " + from + "; expected pose.from: topic");
+    }
+  }
+}
+
+void read_stereo(YamlMap root, TopicReader& topics, DdsOptions& o) {
+  using Empty = TopicReader::Empty;
+  YamlMap stereo = root.map("stereo");
+  auto& s = o.stereo;
+  s.left = topics.read(stereo, "left", s.left, "left images", Empty::kRefused);
+  s.left_info = topics.read(stereo, "left_info", s.left_info, "calibration", Empty::kRefused);
+  s.right = topics.read(stereo, "right", s.right, "right images", Empty::kRefused);
+  s.right_info = topics.read(stereo, "right_info", s.right_info, "calibration", Empty::kRefused);
+  s.compressed = stereo.boolean("compressed", s.compressed, "images are CompressedImage");
+  s.rectified = stereo.boolean("rectified", s.rectified, "images are rectified already");
+  if (o.has_stereo()) return;
+  if (stereo.present()) {
+    root.problem("stereo", "given beside a pose that something else tells; expected one of them");
+  }
+  s = {"", "", "", ""};
+}
+
+void read_depth(YamlMap root, TopicReader& topics, DdsOptions& o) {
+  using Empty = TopicReader::Empty;
+  YamlMap depth = root.map("depth");
+  auto& d = o.depth;
+  // A robot that is told its pose may see by a lidar alone.
+  if (!o.has_stereo() && !(o.scan.empty() && o.point_cloud.empty())) d.image.clear();
+  d.image = topics.read(depth, "image", d.image, "depth images", Empty::kAllowed);
+  d.info = topics.read(depth, "info", d.image.empty() ? "" : d.info, "calibration",
+                       d.image.empty() ? Empty::kAllowed : Empty::kRefused);
+  d.compressed = depth.boolean("compressed", d.compressed, "images are compressedDepth, PNG");
+  d.rectified = depth.boolean("rectified", is_named_rectified(d.image),
+                              "images are rectified: those of a topic with rect in its name");
+  d.per_metre = depth.number("per_metre", d.per_metre, 1.0, 1e5, "1/m",
+                             "numbers a metre of images of 16 bits");
+  d.min_range = depth.number("min_range", d.min_range, 0.0, 100.0, "m", "least depth that counts");
+  d.max_range =
+      depth.number("max_range", d.max_range, 0.1, 100.0, "m", "largest depth that counts");
+  if (d.min_range >= d.max_range) {
+    depth.problem("max_range", "not above min_range; expected 0 <= min_range < max_range");
+  }
+}
+
 }  // namespace
 
 DdsOptions read_dds_options(const std::string& path) {
@@ -88,37 +156,15 @@ DdsOptions read_dds_options(const std::string& path) {
   o.frames.odom = read_frame(frames, "odom", o.frames.odom, "of the base's odometry");
   o.frames.base = read_frame(frames, "base", o.frames.base, "the body frame");
 
-  YamlMap stereo = root.map("stereo");
-  auto& s = o.stereo;
-  s.left = topics.read(stereo, "left", s.left, "left images", Empty::kRefused);
-  s.left_info = topics.read(stereo, "left_info", s.left_info, "calibration", Empty::kRefused);
-  s.right = topics.read(stereo, "right", s.right, "right images", Empty::kRefused);
-  s.right_info = topics.read(stereo, "right_info", s.right_info, "calibration", Empty::kRefused);
-  s.compressed = stereo.boolean("compressed", s.compressed, "images are CompressedImage");
-  s.rectified = stereo.boolean("rectified", s.rectified, "images are rectified already");
-
-  YamlMap depth = root.map("depth");
-  auto& d = o.depth;
-  d.image = topics.read(depth, "image", d.image, "depth images", Empty::kAllowed);
-  d.info = topics.read(depth, "info", d.image.empty() ? "" : d.info, "calibration",
-                       d.image.empty() ? Empty::kAllowed : Empty::kRefused);
-  d.compressed = depth.boolean("compressed", d.compressed, "images are compressedDepth, PNG");
-  d.rectified = depth.boolean("rectified", is_named_rectified(d.image),
-                              "images are rectified: those of a topic with rect in its name");
-  d.per_metre = depth.number("per_metre", d.per_metre, 1.0, 1e5, "1/m",
-                             "numbers a metre of images of 16 bits");
-  d.min_range = depth.number("min_range", d.min_range, 0.0, 100.0, "m", "least depth that counts");
-  d.max_range =
-      depth.number("max_range", d.max_range, 0.1, 100.0, "m", "largest depth that counts");
-  if (d.min_range >= d.max_range) {
-    depth.problem("max_range", "not above min_range; expected 0 <= min_range < max_range");
-  }
+  read_pose(root, topics, o);
+  read_stereo(root, topics, o);
   o.scan = topics.read(root, "scan", "", "LaserScan", Empty::kAllowed);
   o.point_cloud = topics.read(root, "point_cloud", "", "PointCloud2", Empty::kAllowed);
+  read_depth(root, topics, o);
   if (!o.scan.empty() && !o.point_cloud.empty()) {
     root.problem("point_cloud", "given beside scan; expected one of them");
   }
-  if (d.image.empty() && o.scan.empty() && o.point_cloud.empty()) {
+  if (o.depth.image.empty() && o.scan.empty() && o.point_cloud.empty()) {
     root.problem("depth", "nothing measures ranges; expected depth.image, scan or point_cloud");
   }
   o.mounts_from_tf = root.choice("mounts", o.mounts_from_tf ? "tf" : "robot", {"robot", "tf"},
@@ -171,6 +217,9 @@ DdsOptions read_dds_options(const std::string& path) {
 
   YamlMap output = root.map("output");
   auto& p = o.output;
+  // Who localizes it tells map -> odom, and from a map of its own.
+  p.transforms = o.has_stereo();
+  if (!o.has_stereo()) p.map = "/prospect/map";
   p.path = topics.read(output, "path", p.path, "Path of the plan", Empty::kAllowed);
   p.map = topics.read(output, "map", p.map, "OccupancyGrid", Empty::kAllowed);
   p.octomap = topics.read(output, "octomap", p.octomap, "Octomap", Empty::kAllowed);
@@ -180,6 +229,12 @@ DdsOptions read_dds_options(const std::string& path) {
   p.map_period = output.number("map_period", p.map_period, 0.1, 60.0, "s", "between two maps");
   p.transforms = output.boolean("transforms", p.transforms, "map -> odom on tf");
   p.odom_transform = output.boolean("odom_transform", p.odom_transform, "odom -> base on tf");
+  for (const char* key : {"transforms", "odom_transform"}) {
+    const bool told = std::string(key) == "transforms" ? p.transforms : p.odom_transform;
+    if (told && o.pose_source == DdsOptions::PoseSource::kTf) {
+      output.problem(key, "the pose comes from tf (pose.from); expected that others tell it");
+    }
+  }
   yaml.finish();
   return o;
 }

@@ -22,6 +22,24 @@ struct DdsOptions {
     std::string base = "base_link";  ///< B
   } frames;
 
+  /// Who says where the robot is.
+  enum class PoseSource {
+    kStereo,  ///< its stereo pair
+    kTf,      ///< whoever tells tf where frames.base is in frames.map: AMCL, SLAM
+    kTopic    ///< a topic of poses in frames.map: motion capture, say
+  };
+  struct PoseTopic {
+    std::string topic;
+    std::string type = "geometry_msgs/msg/PoseWithCovarianceStamped";
+    std::string frame;  ///< whose pose it is: frames.base, or what tf knows to be fixed to it
+    /// Standard deviations [m], [rad] where no covariance is told.
+    double sigma = 0.05, sigma_yaw = 0.02;
+  };
+  PoseSource pose_source = PoseSource::kStereo;
+  PoseTopic pose;
+  bool has_stereo() const { return pose_source == PoseSource::kStereo; }
+
+  /// Of a robot that localizes itself by it; else its topics are empty.
   struct Stereo {
     std::string left = "/left/image_rect", left_info = "/left/camera_info";
     std::string right = "/right/image_rect", right_info = "/right/camera_info";
@@ -36,6 +54,8 @@ struct DdsOptions {
     double min_range = 0.3, max_range = 8.0;  ///< [m]
   } depth;
   std::string scan, point_cloud;
+  /// Whether its topics tell what its range sensor has in view; a cloud of points does not.
+  bool tells_view() const { return !depth.image.empty() || !scan.empty(); }
   /// Cameras are where tf says, in frames.base; else where the robot's description says.
   bool mounts_from_tf = false;
 

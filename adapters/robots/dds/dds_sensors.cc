@@ -1,5 +1,6 @@
 #include "adapters/robots/dds/dds_sensors.h"
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cmath>
@@ -139,6 +140,30 @@ struct DdsSensors::Impl {
     inbox.scan(stamp, std::move(rays));
   }
 
+  void take_scan(std::string_view cdr, const std::string& name) {
+    const RosHeader header = read_ros_header(cdr, name);
+    const RosLaserScan scan = read_ros_laser_scan(cdr, name);
+    const Eigen::Isometry3d T = in_base(header, name);
+    {
+      const std::lock_guard lock(mutex);
+      if (!lidar && !scan.ranges.empty()) lidar = lidar_of(scan, T);
+      came.notify_all();
+    }
+    take_rays(rays_of(scan), header.stamp, T);
+  }
+
+  static DdsLidar lidar_of(const RosLaserScan& scan, const Eigen::Isometry3d& T) {
+    const double span = scan.angle_increment * static_cast<double>(scan.ranges.size());
+    const double middle = scan.angle_min + 0.5 * (span - scan.angle_increment);
+    const Eigen::Vector3d along =
+        T.linear() * Eigen::Vector3d(std::cos(middle), std::sin(middle), 0.0);
+    return {std::min(std::abs(span), 2.0 * M_PI), scan.range_min, scan.range_max,
+            CameraMount{
+                CameraMount::forward_facing(T.translation(), std::atan2(along.y(), along.x()))}};
+  }
+  /// Whether it is the lidar whose view the planner counts on.
+  bool sees_by_scan() const { return !options.scan.empty() && options.depth.image.empty(); }
+
   /// The lines of what has not come; empty: all is there.
   std::vector<std::string> missing() const {
     const std::array<std::pair<std::string, const char*>, kCameras> wanted = {
@@ -153,6 +178,13 @@ struct DdsSensors::Impl {
                                           number_text(options.timeout) + " s; expected " +
                                           wanted[k].second + " (sensor_msgs/msg/CameraInfo)"
                                     : fault);
+    }
+    if (sees_by_scan() && !lidar) {
+      const std::string fault = node.fault(options.scan);
+      lines.push_back(fault.empty()
+                          ? options.scan + ": no message within " + number_text(options.timeout) +
+                                " s; expected scans (sensor_msgs/msg/LaserScan)"
+                          : fault);
     }
     if (!lines.empty() || !options.mounts_from_tf) return lines;
     for (const Camera camera : {kLeftCamera, kDepthCamera}) {
@@ -178,26 +210,29 @@ struct DdsSensors::Impl {
       }
       out.sizes[camera] = {static_cast<int>(info.width), static_cast<int>(info.height)};
     };
-    const DdsOptions::Stereo& stereo = options.stereo;
-    size(kLeftCamera, stereo.left_info);
-    size(kRightCamera, stereo.right_info);
-    const StereoCalibration calibration =
-        calibration_of(infos[kLeftCamera]->info, infos[kRightCamera]->info, stereo.left_info,
-                       stereo.right_info, stereo.rectified);
     Eigen::Isometry3d T_left = Eigen::Isometry3d::Identity();  // of the rectified left camera
-    if (calibration.rectified) {
-      out.cameras.stereo = calibration.camera;
-      T_left = rectified_axes(infos[kLeftCamera]->info);
-    } else {
-      try {
-        out.rectification =
-            std::make_shared<const Rectification>(calibration.left, calibration.right);
-      } catch (const std::invalid_argument& problem) {
-        throw InputError(stereo.right_info + ": " + problem.what());
+    if (!options.stereo.left_info.empty()) {
+      const DdsOptions::Stereo& stereo = options.stereo;
+      size(kLeftCamera, stereo.left_info);
+      size(kRightCamera, stereo.right_info);
+      const StereoCalibration calibration =
+          calibration_of(infos[kLeftCamera]->info, infos[kRightCamera]->info, stereo.left_info,
+                         stereo.right_info, stereo.rectified);
+      if (calibration.rectified) {
+        out.cameras.stereo = calibration.camera;
+        T_left = rectified_axes(infos[kLeftCamera]->info);
+      } else {
+        try {
+          out.rectification =
+              std::make_shared<const Rectification>(calibration.left, calibration.right);
+        } catch (const std::invalid_argument& problem) {
+          throw InputError(stereo.right_info + ": " + problem.what());
+        }
+        out.cameras.stereo = out.rectification->camera();
+        T_left = calibration.left.T_BC.inverse() * out.rectification->T_BC();
       }
-      out.cameras.stereo = out.rectification->camera();
-      T_left = calibration.left.T_BC.inverse() * out.rectification->T_BC();
     }
+    if (sees_by_scan()) out.cameras.lidar = lidar;
     if (!options.depth.info.empty()) {
       size(kDepthCamera, options.depth.info);
       const CameraInfo& info = infos[kDepthCamera]->info;
@@ -216,7 +251,7 @@ struct DdsSensors::Impl {
         transforms.hold(options.frames.base, infos[camera]->frame);
         return *transforms.newest(options.frames.base, infos[camera]->frame);
       };
-      out.cameras.stereo_mount = CameraMount{mount(kLeftCamera) * T_left};
+      if (out.cameras.stereo) out.cameras.stereo_mount = CameraMount{mount(kLeftCamera) * T_left};
       if (out.cameras.depth) {
         const CameraInfo& info = infos[kDepthCamera]->info;
         const Eigen::Isometry3d turn =
@@ -235,6 +270,7 @@ struct DdsSensors::Impl {
   mutable std::condition_variable came;
   std::array<std::optional<ReceivedInfo>, kCameras> infos;
   mutable std::array<std::optional<std::string>, kCameras> frames;  // of the images
+  std::optional<DdsLidar> lidar;                                    // by the first scan
   std::array<bool, kCameras> changed{};  // the newest calibration is not that of `known`
   mutable std::shared_ptr<const Reading> known;
 };
@@ -267,12 +303,9 @@ DdsSensors::DdsSensors(const DdsOptions& options, DdsNode& node, DdsTransforms& 
   images(options.stereo.right, options.stereo.compressed, kRightCamera);
   images(options.depth.image, options.depth.compressed, kDepthCamera);
   if (!options.scan.empty()) {
-    node.subscribe(options.scan, ros::definition_of<ros::LaserScan>(), kSensorQos,
-                   [impl](std::string_view cdr, const std::string& name) {
-                     const RosHeader header = read_ros_header(cdr, name);
-                     impl->take_rays(rays_of(read_ros_laser_scan(cdr, name)), header.stamp,
-                                     impl->in_base(header, name));
-                   });
+    node.subscribe(
+        options.scan, ros::definition_of<ros::LaserScan>(), kSensorQos,
+        [impl](std::string_view cdr, const std::string& name) { impl->take_scan(cdr, name); });
   }
   if (!options.point_cloud.empty()) {
     node.subscribe(options.point_cloud, ros::definition_of<ros::PointCloud2>(), kSensorQos,

@@ -13,10 +13,18 @@
 
 namespace prospect {
 
-/// What the robot's topics say of its cameras.
+/// What a LaserScan says of its lidar: beams in one plane.
+struct DdsLidar {
+  double field_of_view = 0.0;               ///< [rad], up to 2 pi
+  double min_range = 0.0, max_range = 0.0;  ///< [m]
+  CameraMount mount;                        ///< along the middle of its beams, in frames.base by tf
+};
+
+/// What the robot's topics say of its cameras and its lidar.
 struct DdsCameras {
-  StereoCamera stereo;                 ///< as the inbox gets the images: rectified
+  std::optional<StereoCamera> stereo;  ///< as the inbox gets the images: rectified; none: no pair
   std::optional<PinholeCamera> depth;  ///< none: no depth images
+  std::optional<DdsLidar> lidar;       ///< of a robot with scans and no depth images
   /// In frames.base by tf; none: the robot's description says where they are.
   std::optional<CameraMount> stereo_mount, depth_mount;
 };
@@ -38,7 +46,8 @@ class DdsSensors {
              SensorInbox& inbox);
   ~DdsSensors();
 
-  /// Waits until calibrations, and the transforms that are asked for, have come; images count from
+  /// Waits until calibrations, a scan of a robot without depth images, and the transforms that are
+  /// asked for, have come; images count from
   /// then on, and cameras that tf tells of must stay where they are (DdsTransforms::hold()). Throws
   /// InputError, a line for each that did not come within options.timeout, or that cannot be.
   DdsCameras wait() const;

@@ -23,10 +23,21 @@ struct DdsTransforms::Impl {
     Eigen::Isometry3d T;
     std::optional<double> moved_since;  // [s]
   };
+  struct Followed {
+    std::string to, from;
+    std::function<void(double, const Eigen::Isometry3d&)> told;
+    double stamp = -std::numeric_limits<double>::infinity();  // [s] of the newest
+  };
 
   void take(std::string_view cdr, const std::string& name, bool fixed) {
     Elements elements("transforms");
     const std::vector<RosTransform> transforms = read_ros_transforms(cdr, name, elements);
+    add(transforms, name, fixed);
+    for (Followed& one : followed) tell(one);
+    if (elements.bad() > 0) throw InputError(elements.first());
+  }
+
+  void add(const std::vector<RosTransform>& transforms, const std::string& name, bool fixed) {
     const std::lock_guard lock(mutex);
     for (const RosTransform& t : transforms) {
       if (!is_known(t.T)) continue;
@@ -43,7 +54,18 @@ struct DdsTransforms::Impl {
       }
     }
     if (!fixed) tree.forget_before(newest_stamp - kKept);
-    if (elements.bad() > 0) throw InputError(elements.first());
+  }
+
+  void tell(Followed& one) {
+    std::optional<Eigen::Isometry3d> T;
+    {
+      const std::lock_guard lock(mutex);
+      const std::optional<double> newest = tree.newest_stamp(one.to, one.from);
+      if (!newest || !(*newest > one.stamp)) return;
+      one.stamp = *newest;
+      T = tree.find(one.to, one.from, *newest);
+    }
+    if (T) one.told(one.stamp, *T);
   }
 
   std::optional<Eigen::Isometry3d> newest(const std::string& to, const std::string& from) const {
@@ -59,6 +81,7 @@ struct DdsTransforms::Impl {
   double newest_stamp = 0.0;  // [s] of what moves
   std::string topic;
   std::vector<Held> held;
+  std::vector<Followed> followed;  // of the node's thread
 };
 
 DdsTransforms::DdsTransforms(DdsNode& node, const std::string& tf, const std::string& tf_static)
@@ -86,6 +109,11 @@ std::optional<Eigen::Isometry3d> DdsTransforms::newest(const std::string& to,
                                                        const std::string& from) const {
   const std::lock_guard lock(impl_->mutex);
   return impl_->newest(to, from);
+}
+
+void DdsTransforms::follow(const std::string& to, const std::string& from,
+                           std::function<void(double, const Eigen::Isometry3d&)> told) {
+  impl_->followed.push_back({to, from, std::move(told)});
 }
 
 void DdsTransforms::hold(const std::string& to, const std::string& from) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -26,6 +27,11 @@ class DdsTransforms {
                                         double stamp) const;
   /// The newest.
   std::optional<Eigen::Isometry3d> newest(const std::string& to, const std::string& from) const;
+
+  /// Calls `told` with each newer pose of `from` in `to`, at the newest stamp [s] that all between
+  /// them is known at, on the node's thread. Before DdsNode::start().
+  void follow(const std::string& to, const std::string& from,
+              std::function<void(double stamp, const Eigen::Isometry3d& T)> told);
 
   /// From now on `from` must stay where it is in `to`.
   void hold(const std::string& to, const std::string& from);

@@ -1,10 +1,12 @@
 #include "adapters/robots/dds/make_robot.h"
 
 #include <memory>
+#include <optional>
 
 #include "adapters/formats/files/input_error.h"
 #include "adapters/robots/dds/dds_base.h"
 #include "adapters/robots/dds/dds_node.h"
+#include "adapters/robots/dds/dds_pose.h"
 #include "adapters/robots/dds/dds_publisher.h"
 #include "adapters/robots/dds/dds_sensors.h"
 #include "adapters/robots/dds/dds_transforms.h"
@@ -22,6 +24,7 @@ struct DdsParts {
         base(o.topics, node, transforms, clock, o.requests),
         sensors(o.topics, node, transforms, inbox),
         publisher(o.topics, node, base, clock, o.robot.model) {
+    if (!o.topics.has_stereo()) pose.emplace(o.topics, node, transforms, inbox);
     node.start();
   }
 
@@ -31,6 +34,7 @@ struct DdsParts {
   DdsTransforms transforms;
   DdsBase base;
   const DdsSensors sensors;
+  std::optional<DdsPose> pose;  // none: it localizes itself
   DdsPublisher publisher;
 };
 
@@ -45,14 +49,17 @@ Robot make_robot(const DdsRobotConfiguration& options) {
   robot.clock = {parts, &parts->clock};
   robot.base = {parts, &parts->base};
   robot.frames = {parts, &parts->inbox};
-  robot.streams = {SensorStream::kPair,
+  robot.streams = {parts->pose ? SensorStream::kPose : SensorStream::kPair,
                    cameras.depth ? SensorStream::kDepth : SensorStream::kScan,
                    SensorStream::kWheels};
+  if (parts->pose) robot.start = parts->pose->wait();
   robot.start.position.z() = options.robot.base_height();
   robot.made = parts->clock.now();
   robot.depth = cameras.depth;
-  robot.description = robot_with(cameras, options.robot);
-  robot.described_by = "the topics of the cameras";
+  if (cameras.stereo || cameras.depth || cameras.lidar) {
+    robot.description = robot_with(cameras, options.robot);
+    robot.described_by = "the robot's topics";
+  }
   robot.emergency_stop = parts->base.emergency_stop();
   robot.observers = {&parts->publisher};
   robot.link_faults = [parts] { return parts->node.faults(); };

@@ -16,7 +16,8 @@ struct DdsRobotConfiguration {
   DriveRequests* requests = nullptr;  ///< as of DdsBase; null: nobody
 };
 
-/// It begins at the origin of W, looking along x. Its settings are what its topics say of its
+/// It begins at the origin of W, looking along x; one that is told its pose, where that says.
+/// Its settings are what its topics say of its
 /// cameras; each step of its mission is published (DdsPublisher). Throws InputError, a line each,
 /// for calibrations and transforms that do not come and topics that do not fit; NotBuiltIn. Nothing
 /// has been sent to the base then.

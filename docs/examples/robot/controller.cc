@@ -78,7 +78,6 @@ int main(int argc, char** argv) {
   robot.streams = {SensorStream::kPose, SensorStream::kScan};
   robot.settings = {"robot.shape={type: cylinder, radius: 0.18, height: 0.4, center: [0, 0, 0.3]}",
                     "robot.depth={horizontal_fov: 360, vertical_fov: 0, max_range: 3}",
-                    "planner.weights.w_l=0",  // no camera, so no features to keep in view
                     "drive.inbox.poses_in_runtime_clock=true",
                     "drive.inbox.scan_in_runtime_clock=true"};
   robot.make = [] {

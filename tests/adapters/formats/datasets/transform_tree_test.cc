@@ -90,5 +90,19 @@ TEST(TransformTree, WhatContradictsTheTreeIsRefused) {
   EXPECT_TRUE(tree.find("odom", "base", 5.0)->isApprox(at(10.0, 0.0, 1.0), 1e-9));
 }
 
+TEST(TransformTree, TheNewestStampIsThatOfTheLinkThatIsBehind) {
+  TransformTree tree;
+  EXPECT_FALSE(tree.newest_stamp("map", "base"));
+  tree.add_static("base", "lidar", at(0.3, 0.0, 0.0));
+  EXPECT_FALSE(tree.newest_stamp("base", "lidar")) << "none moves";
+  tree.add("odom", "base", 3.0, at(1.0, 0.0, 0.0));
+  EXPECT_FALSE(tree.newest_stamp("map", "lidar"));
+  tree.add("map", "odom", 4.0, at(2.0, 0.0, 0.0));  // stamped ahead
+  EXPECT_EQ(tree.newest_stamp("map", "lidar"), 3.0);
+  tree.add("odom", "base", 5.0, at(1.0, 0.0, 0.0));
+  EXPECT_EQ(tree.newest_stamp("map", "lidar"), 4.0) << "its publisher has ended";
+  EXPECT_EQ(tree.newest_stamp("lidar", "odom"), 5.0);
+}
+
 }  // namespace
 }  // namespace prospect::transform_tree_test

@@ -89,6 +89,36 @@ TEST(DdsOptions, ARobotMayBeInANamespace) {
   EXPECT_THAT(refusal("tf: none\n" + rest), HasSubstr("yaml:1: tf"));
 }
 
+TEST(DdsOptions, ARobotThatIsToldItsPoseNeedsNoCameras) {
+  const std::string rest = "command: {dead_man: 0.5}\nscan: /scan\n";
+  const DdsOptions tf = read("pose: {from: tf}\n" + rest);
+  EXPECT_EQ(tf.pose_source, DdsOptions::PoseSource::kTf);
+  EXPECT_FALSE(tf.has_stereo());
+  EXPECT_TRUE(tf.tells_view());
+  EXPECT_EQ(tf.stereo.left + tf.stereo.left_info + tf.stereo.right + tf.stereo.right_info, "");
+  EXPECT_EQ(tf.depth.image + tf.depth.info, "");
+  // Who localizes it says where odom is, and publishes a map of its own.
+  EXPECT_FALSE(tf.output.transforms);
+  EXPECT_EQ(tf.output.map, "/prospect/map");
+  const DdsOptions topic = read(
+      "frames: {base: base}\n"
+      "pose: {from: topic, topic: /vicon/pose, type: PoseStamped, frame: marker, sigma: 0.002}\n"
+      "output: {transforms: true, map: /map}\n"
+      "depth: {image: /d/image}\n" +
+      rest);
+  EXPECT_EQ(topic.pose.topic, "/vicon/pose");
+  EXPECT_EQ(topic.pose.type, "geometry_msgs/msg/PoseStamped");
+  EXPECT_EQ(topic.pose.frame, "marker");
+  EXPECT_EQ(topic.pose.sigma, 0.002);
+  EXPECT_EQ(topic.depth.image, "/d/image");
+  EXPECT_TRUE(topic.output.transforms);
+  EXPECT_EQ(topic.output.map, "/map");
+  EXPECT_EQ(read("frames: {base: b}\npose: {from: topic, topic: /p}\n" + rest).pose.frame, "b");
+  const DdsOptions camera = read("pose: {from: tf}\ncommand: {dead_man: 0.5}\n");
+  EXPECT_EQ(camera.depth.image, DdsOptions().depth.image) << "a depth camera and a pose";
+  EXPECT_TRUE(read(rest).has_stereo());
+}
+
 TEST(DdsOptions, NamesTheLineOfWhatIsWrong) {
   struct Row {
     const char *text, *expected;
@@ -108,6 +138,15 @@ TEST(DdsOptions, NamesTheLineOfWhatIsWrong) {
       {"command: {dead_man: 0.5}\nemergency_stop_age: 1\n", "there is no emergency_stop"},
       {"command: {dead_man: 0.5}\nemergency_stop: /s\nemergency_stop_age: .inf\n", "yaml:3: "},
       {"command: {dead_man: 0.5}\nemergency_stop: /s\nemergency_stop_publishers: 0\n", "yaml:3: "},
+      {"command: {dead_man: 0.5}\npose: {from: tf}\nstereo: {left: /l}\n",
+       "yaml:3: stereo: given beside a pose"},
+      {"command: {dead_man: 0.5}\npose: {from: topic}\n", "yaml:2: pose.from: no topic"},
+      {"command: {dead_man: 0.5}\npose: {from: tf, topic: /p}\n", "yaml:2: pose.topic: from is tf"},
+      {"command: {dead_man: 0.5}\npose: {from: tf, type: Odometry}\n", "yaml:2: pose.type: from"},
+      {"command: {dead_man: 0.5}\npose: {topic: /p}\n", "yaml:2: pose.topic: from is stereo"},
+      {"command: {dead_man: 0.5}\npose: {from: gps}\n", "expected one of: stereo, tf, topic"},
+      {"command: {dead_man: 0.5}\npose: {from: tf}\noutput: {transforms: true}\n",
+       "yaml:3: output.transforms: the pose comes from tf"},
       {"command: {dead_man: 0.5, relay_age: never}\n", "expected one of: stamp, arrival"},
   };
   for (const Row& row : rows) EXPECT_THAT(refusal(row.text), HasSubstr(row.expected)) << row.text;
@@ -119,6 +158,7 @@ TEST(DdsOptions, OfTheSamplePackageAreRead) {
   const DdsOptions o = read_dds_options(config + "robot.yaml");
   EXPECT_EQ(o.command.relay, "/prospect/cmd_vel");
   EXPECT_TRUE(o.mounts_from_tf);
+  EXPECT_FALSE(read_dds_options(config + "lidar.yaml").has_stereo());
 }
 
 }  // namespace

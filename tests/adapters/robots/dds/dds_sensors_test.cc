@@ -138,8 +138,8 @@ TEST(DdsSensors, ImagesDepthsAndScansGoIntoTheInbox) {
   }));
   robot.publish_infos();
   const DdsCameras cameras = sensors.wait();
-  EXPECT_EQ(cameras.stereo.left.fx, 30.0);
-  EXPECT_NEAR(cameras.stereo.baseline, 0.1, 1e-12);
+  EXPECT_EQ(cameras.stereo->left.fx, 30.0);
+  EXPECT_NEAR(cameras.stereo->baseline, 0.1, 1e-12);
   EXPECT_EQ(cameras.depth->width, kWidth);
   EXPECT_NEAR(cameras.stereo_mount->T_BC.translation().z(), 0.4, 1e-12);
 

@@ -38,8 +38,9 @@ void expect_same(const RobotDescription& a, const RobotDescription& b) {
 
 DdsCameras cameras() {
   DdsCameras out;
-  out.stereo.left = {431.7021484375, 430.1, 323.123456789, 233.3, 656.0, 488.0};
-  out.stereo.baseline = 0.0998877665544;
+  out.stereo.emplace();
+  out.stereo->left = {431.7021484375, 430.1, 323.123456789, 233.3, 656.0, 488.0};
+  out.stereo->baseline = 0.0998877665544;
   return out;
 }
 
@@ -82,6 +83,23 @@ TEST(RobotWithCameras, MountsAndTheDepthCameraReadBackAsTheyAre) {
       }
     }
   }
+}
+
+TEST(RobotWithCameras, ALidarTellsItsViewAndNothingOfTheCameras) {
+  const RobotDescription file = configuration_from_text("", "f.yaml").robot;
+  DdsCameras seen;
+  seen.lidar = {2.0 * M_PI, 0.1, 30.0, {CameraMount::forward_facing({0.1, 0.0, 0.3}, 0.5)}};
+  const Told told([&](const RobotDescription& robot) { return robot_with(seen, robot); });
+  const RobotDescription& robot = told.now.robot;
+  EXPECT_EQ(robot.depth.horizontal_fov, 2.0 * M_PI);
+  EXPECT_EQ(robot.depth.vertical_fov, 0.0);
+  EXPECT_EQ(robot.depth.min_range, 0.1);
+  EXPECT_EQ(robot.depth.max_range, file.depth.max_range) << "no farther than is asked for";
+  EXPECT_LE((robot.depth_mount.T_BC.matrix() - seen.lidar->mount.T_BC.matrix()).norm(), 1e-14);
+  EXPECT_EQ(robot.stereo.left.fx, file.stereo.left.fx);
+  expect_same(robot, told.again.robot);
+  seen.lidar->max_range = 2.5;
+  EXPECT_EQ(robot_with(seen, file).depth.max_range, 2.5);
 }
 
 TEST(RobotWithCameras, GazeboHasThePrincipalPointInTheMiddle) {

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <memory>
+
+#include "adapters/robots/dds/dds_node.h"
+#include "adapters/robots/dds/dds_options.h"
+#include "adapters/robots/dds/dds_transforms.h"
+#include "models/types.h"
+#include "runtime/sensor_inbox.h"
+
+namespace prospect {
+
+/// Where a robot behind topics of ROS 2 is, as something else tells it: into a SensorInbox, with
+/// the stamps of its measurements.
+///
+/// By tf: frames.base in frames.map, at the newest stamp that all between them is known at, each
+/// time that one comes. By a topic: poses in frames.map, of pose.frame; where that is not
+/// frames.base, tf must know where it is on the body. The covariance of (x, y, yaw) is that of the
+/// message, carried over to B; where none is told, or zero, it is of pose.sigma and pose.sigma_yaw.
+///
+/// A message with another frame, without a stamp, or that is no pose is left out, and is a fault of
+/// its topic (DdsNode::fault()). Declares its topics on the node: make it before DdsNode::start().
+/// Inbox, transforms and node must outlive it, and inbox and transforms the node's thread.
+/// Thread-safety: any thread.
+class DdsPose {
+ public:
+  DdsPose(const DdsOptions& options, DdsNode& node, DdsTransforms& transforms, SensorInbox& inbox);
+  ~DdsPose();
+
+  /// Waits for the first pose. Throws InputError, one line, if none comes within options.timeout.
+  Pose wait() const;
+
+ private:
+  struct Impl;
+  std::shared_ptr<Impl> impl_;  // shared with the handlers
+};
+
+}  // namespace prospect
