@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <fstream>
 #include <set>
 #include <sstream>
@@ -350,6 +351,89 @@ TEST(Behaviour, NoPauseMeansOneStepBetweenTwoRetreats) {
   EXPECT_EQ(b.mode.kind, kExplore);
   b = decide(b, facts(7.0, kLost), options);
   EXPECT_EQ(b.mode.kind, kRetreat);
+}
+
+TEST(Behaviour, APauseIsOverOnTime) {
+  const double end = 10.0 + kOptions.retreat_pause;
+  for (const double stamp : {end - 0.5, end, end + 0.5}) {
+    EXPECT_EQ(decide(after_retreat(10.0, false), facts(stamp, kDegraded), kOptions).mode.kind,
+              stamp < end ? kExplore : kRetreat)
+        << stamp;
+  }
+}
+
+TEST(Behaviour, TheSentenceSaysWhatTheFactsHaveAndNoMore) {
+  const Facts plain = facts(12.0);
+  const auto changed = [&](auto change) {
+    Facts f = plain;
+    change(f);
+    return f;
+  };
+  const auto to_goal = [&](TaskKind task, const GoalFacts& goal) {
+    return told(task, plain, goal);
+  };
+  const GoalFacts shut{.unreachable = true, .unreachable_for = 2.0, .why = "a wall is round it"};
+  const struct {
+    Mode mode;
+    Facts facts;
+    const char* sentence;
+  } rows[] = {
+      {{kExplore, Cause::kStart, 0.0},
+       with(plain, {}),
+       "Explores: no frontier can be reached from here just now."},
+      {{kApproach, Cause::kNoProgress, 8.0},
+       plain,
+       "Approaches step by step for 4.0 s now, for want of progress: drives 3.2 m to look at a "
+       "frontier 1.4 m long, which promises 2.5 m2."},
+      {{kApproach, Cause::kNoProgress, 8.0},
+       to_goal(TaskKind::kGoTo, {.path_left = 3.0}),
+       "Approaches step by step for 4.0 s now, for want of progress: 3.0 m to the goal."},
+      {{kGoToGoal, Cause::kTaskGiven, 0.0},
+       to_goal(TaskKind::kGoTo, {.path_left = 3.0}),
+       "Goes where it is told: 3.0 m to the goal."},
+      {{kReturn, Cause::kTaskGiven, 0.0},
+       to_goal(TaskKind::kReturn, {.path_left = 3.0, .unknown_left = 1.1}),
+       "Returns: 3.0 m to where it began, 1.1 m of them through unknown space."},
+      {{kLookAround, Cause::kNothingReachable, 0.0},
+       to_goal(TaskKind::kGoTo, shut),
+       "Looks around: for 2.0 s no way has led to the goal: a wall is round it."},
+      {{kLookAround, Cause::kNothingReachable, 0.0},
+       with(plain, {.exhausted = true, .exhausted_for = 3.0}),
+       "Looks around: for 3.0 s no frontier that can be reached was worth its way."},
+      {{kRetreat, Cause::kFeaturesScarce, 0.0},
+       facts(12.0, kDegraded),
+       "Turns back: 5 features in view, localization is degraded."},
+      {{kDone, Cause::kGoalReached, 0.0},
+       to_goal(TaskKind::kGoTo, {.reached = true, .distance = 0.12}),
+       "Done: 0.12 m from the goal."},
+      {{kDone, Cause::kGoalReached, 0.0},
+       to_goal(
+           TaskKind::kGoTo,
+           {.distance = 0.12, .heading_missed = M_PI / 6.0, .heading_why = "it cannot turn there"}),
+       "Done: 0.12 m from the goal, 30 degrees off the heading there: it cannot turn there."},
+      {{kDone, Cause::kGoalUnreachable, 0.0},
+       changed([&](Facts& f) { f = to_goal(TaskKind::kGoTo, shut), f.refused = "a wall"; }),
+       "Done: the goal cannot be reached: a wall is round it. It has not moved: a wall."},
+      {{kDone, Cause::kGoalUnreachable, 0.0},
+       changed([&](Facts& f) {
+         f = to_goal(TaskKind::kGoTo, shut), f.refused = "a wall", f.strayed = 2.0;
+       }),
+       "Done: the goal cannot be reached: a wall is round it."},
+      {{kDone, Cause::kExplored, 0.0},
+       changed([](Facts& f) { f.refused = "a wall"; }),
+       "Done: no frontier is left that can be reached and promises anything."},
+      {{kDone, Cause::kExplored, 0.0},
+       with(plain, {.area_why = "it is walled in"}),
+       "Done: no frontier is left that can be reached and promises anything; the rest of the area "
+       "is not reached: it is walled in."},
+      {{kDone, Cause::kUnreachable, 0.0},
+       with(plain, {.area_unseen = true, .area_why = "it is walled in"}),
+       "Ended: nothing of the area that is to be explored can be reached: it is walled in."},
+      {{kDone, Cause::kUnreachable, 0.0},
+       changed([](Facts& f) { f.strayed = 2.0, f.frontiers->cut_off = true; }),
+       "Ended: walls as drawn cut it off from most places it came through."},
+  };
+  for (const auto& row : rows) EXPECT_EQ(describe(row.mode, row.facts), row.sentence);
 }
 
 TEST(Behaviour, TheSentenceHasTheNumbersOfTheFacts) {

@@ -75,6 +75,34 @@ TEST(ProgressMonitor, AFallOfTheCostToGoCountsOnlyIfTheRobotMoved) {
   EXPECT_EQ(moves.stalled_for(), 0.0);
 }
 
+// What another target costs, or the same one once a door has closed, is where progress begins anew.
+TEST(ProgressMonitor, ProgressIsAgainstWhatTheWayCostsNow) {
+  struct Row {
+    bool same;            // target, at 1 s
+    double then, at_end;  // [s] of cost-to-go at 1 s and 2 s; 8 at the beginning
+    double stalled_for;
+  };
+  for (const Row& row :
+       {Row{false, 3.0, 3.0, 2.0}, Row{false, 3.0, 2.0, 0.0}, Row{false, 30.0, 29.0, 0.0},
+        Row{true, 30.0, 29.0, 0.0}, Row{true, 8.1, 7.9, 2.0}}) {
+    ProgressMonitor monitor({});
+    const auto step = [&](double t, double x, bool same, double cost) {
+      const Eigen::Vector2d place(x, 0.0);
+      monitor.begin(t, place, 10.0, cost);
+      monitor.update(same, place, cost, 10.0);
+    };
+    step(0.0, 0.0, true, 8.0);
+    step(1.0, 0.5, row.same, row.then);
+    step(2.0, 1.0, true, row.at_end);
+    EXPECT_EQ(monitor.stalled_for(), row.stalled_for) << row.then << " to " << row.at_end;
+  }
+  ProgressMonitor just_enough({.area = 0.5});
+  just_enough.begin(0.0, kPlace, 10.0, 3.0);
+  just_enough.begin(1.0, kPlace, 10.0, 3.0);
+  just_enough.update(true, kPlace, 3.0, 10.5);
+  EXPECT_EQ(just_enough.stalled_for(), 0.0);
+}
+
 TEST(ProgressMonitor, TimeWithSomethingElseToDoDoesNotCount) {
   ProgressMonitor monitor({});
   monitor.hold(5.0);

@@ -27,6 +27,18 @@ TEST(StepMonitors, RemembersWhereEnoughFeaturesWereTracked) {
   ASSERT_EQ(monitors.trail().places().size(), 1U);
 }
 
+TEST(StepMonitors, HowFarItHasBeenFromWhereItBegan) {
+  StepMonitors monitors;
+  const auto at = [&](double stamp, double x, int tracked) {
+    return monitors.update(belief(stamp, x, tracked), TaskKind::kExplore, {}, 20.0);
+  };
+  EXPECT_EQ(at(0.0, 2.0, 30).strayed, 0.0);
+  EXPECT_EQ(at(1.0, 2.75, 5).strayed, 0.75);
+  const Facts facts = at(2.0, 2.25, 5);
+  EXPECT_EQ(facts.strayed, 0.75);
+  EXPECT_EQ(facts.retreat_distance, 0.25) << "from where 30 were tracked";
+}
+
 TEST(StepMonitors, ARobotLocalizedOtherwiseNeedsNoFeatures) {
   StepMonitors monitors;
   Belief b = belief(0.0, 0.0, 0);

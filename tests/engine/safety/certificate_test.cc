@@ -263,6 +263,7 @@ TEST(Certificate, MarginKeepsItsDistance) {
   EXPECT_EQ(refused.status, Status::kCollision);
   EXPECT_GT(refused.pose.position.y(), 0.09);
   EXPECT_LT(refused.pose.position.y(), 0.12);
+  EXPECT_NEAR(refused.time, (refused.pose.position.x() + 1.0) / (0.6 * std::cos(0.045)), 1e-9);
 }
 
 TEST(Certificate, TailIsCheckedToo) {
@@ -437,6 +438,15 @@ TEST(Certificate, ARobotWithinItsMarginMayNotComeNearer) {
   }
   options.reduced_margin_share = 1.1;
   EXPECT_THROW(Certifier(CylinderShape(), options), std::invalid_argument);
+  // Poses are no farther apart than twice what it keeps.
+  options.reduced_margin_share = 0.5;
+  const Certifier certifier(CylinderShape{{0.0, 0.0, 0.3}, 0.18, 0.4}, options);
+  for (const double clearance : {0.012, 0.019}) {
+    const Certificate away =
+        certifier.certify_inputs(belief, model, Eigen::Vector3d(0.12 - clearance, 0.0, 0.0),
+                                 constant(model, 4, {-0.3, 0.0, 0.0}), kDt);
+    EXPECT_GE(away.poses, 0.3 / (2.0 * (0.5 * clearance + 1e-4))) << away.detail;
+  }
 }
 
 TEST(Certificate, SurfacesThatMayHaveDriftedAreKeptFartherAway) {
@@ -580,6 +590,37 @@ TEST(Certificate, MovesInSpaceMindFloorAndCeiling) {
                          Eigen::MatrixXd::Zero(4, 4), kDt)
                 .status,
             Status::kUnknownSpace);
+}
+
+// In 3-D: nearer to or farther from a voxel that it touches is told along the height, too, and from
+// the body's middle, wherever that is in B; and each voxel beside the body counts.
+TEST(Certificate, InTheAirTheWholeBodyCounts) {
+  const Multirotor model;
+  const auto status = [&](double middle, int layer, int column, const Eigen::Vector3d& velocity) {
+    ObstacleWorld world(0.1, 2.0, 3.0);
+    world.occupy(column, 0, layer);
+    const Certifier certifier(CylinderShape{{0.0, 0.0, middle}, 0.1, 0.8}, free_policy());
+    const Eigen::VectorXd x0 = model.state({{0.0, 0.0, 1.5 - middle}, 0.0}, {velocity, 0.0});
+    return certifier.certify_inputs(world.belief(), model, x0, Eigen::MatrixXd::Zero(4, 2), kDt)
+        .status;
+  };
+  const Eigen::Vector3d up(0.0, 0.0, 0.3), ahead(0.6, 0.0, 0.0);
+  for (const double middle : {-0.6, -0.4, 0.0, 0.4, 0.6}) {  // the body is from 1.1 to 1.9 m
+    SCOPED_TRACE(middle);
+    for (const int layer : {11, 12, 13}) {
+      EXPECT_EQ(status(middle, layer, 0, up), Status::kOk) << layer;
+      EXPECT_EQ(status(middle, layer, 0, -up), Status::kCollision) << layer;
+    }
+    for (const int layer : {16, 17, 18}) {
+      EXPECT_EQ(status(middle, layer, 0, up), Status::kCollision) << layer;
+      EXPECT_EQ(status(middle, layer, 0, -up), Status::kOk) << layer;
+    }
+    for (const int layer : {9, 11, 15, 18, 20}) {
+      const bool beside = layer > 10 && layer < 19;
+      EXPECT_EQ(status(middle, layer, 2, ahead), beside ? Status::kCollision : Status::kOk)
+          << layer;
+    }
+  }
 }
 
 TEST(Certificate, EmptyMapIsClear) {

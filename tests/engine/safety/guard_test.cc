@@ -149,6 +149,10 @@ TEST_F(GuardTest, ChangesBeyondTheRates) {
   before_.yaw_rate = 0.3 - 0.626;
   EXPECT_EQ(check().reason, GuardReason::kRate);
   SetUp();
+  // What is driven ahead does not turn with the body: 0.2005 m/s, though 0.199 seen from W.
+  before_ = {{-0.1, 0.0, 0.0}, 0.4};
+  plan_.commands[0] = {{0.1005, 0.0, 0.0}, 1.0};
+  EXPECT_EQ(check().reason, GuardReason::kRate);
 }
 
 TEST_F(GuardTest, StaleAndFutureBeliefsAndPlans) {
@@ -157,6 +161,7 @@ TEST_F(GuardTest, StaleAndFutureBeliefsAndPlans) {
   expect_braking(check());
   now_ = 9.99;
   EXPECT_EQ(check().reason, GuardReason::kStale);  // from the future
+  EXPECT_EQ(check().detail, "the newest belief is from the future, by 0.01 s");
   now_ = kNan;
   EXPECT_EQ(check().reason, GuardReason::kStale);
 
@@ -397,6 +402,26 @@ TEST_F(GuardTest, ATimeStepIsBounded) {
   }
   SetUp();
   EXPECT_EQ(check().duration, plan_.dt);
+  for (const double bound : {Guard::Options::kMinStep, Guard::Options().max_step}) {
+    plan_.dt = bound;
+    plan_.certified = false;
+    EXPECT_EQ(check().duration, bound);
+  }
+}
+
+TEST_F(GuardTest, TheCommandsOfAStopEndAtRest) {
+  const auto stop = [&](double step) {
+    return guard_.stop_commands(nullptr, belief_.pose, before_, belief_, step);
+  };
+  // From 0.4 m/s by 0.8 m/s^2.
+  const std::vector<Twist> commands = stop(0.25);
+  ASSERT_EQ(commands.size(), 2U);
+  EXPECT_NEAR(commands[0].linear.x(), 0.2, 1e-12);
+  EXPECT_TRUE(is_at_rest(commands[1]));
+  for (const double step : {0.0, 1e-9, 2.1, kNan}) EXPECT_EQ(stop(step).size(), 1U) << step;
+  before_.yaw_rate = kNan;
+  ASSERT_EQ(stop(0.25).size(), 1U);
+  EXPECT_TRUE(is_at_rest(stop(0.25)[0]));
 }
 
 // One stamp stood for all: a map frozen for 50 s passed under the fresh stamp of the pose.
@@ -490,6 +515,18 @@ TEST_F(GuardTest, AStoppingTailBrakesAsHardAsItCan) {
   EXPECT_TRUE(passes(0.0, 0.0, 0.0));
   EXPECT_FALSE(passes(0.01, 0.0, 0.0));
   EXPECT_FALSE(passes(0.0, 0.0, 0.01));
+}
+
+TEST_F(GuardTest, AToleranceIsAShareOfTheLargestSpeed) {
+  Guard::Options options;
+  options.tolerance = 0.1;  // 0.06 m/s of 0.6
+  const Guard tolerant(model_, CylinderShape{}, certificate_options(), options);
+  for (const double v : {0.2, 0.25, 0.28, 0.35}) {
+    plan_ =
+        plan_of(*model_, belief_, (Eigen::MatrixXd(2, 3) << v, 0.1, 0.0, 0.0, 0.0, 0.0).finished());
+    plan_.kind = PlanKind::kStoppingTail;
+    EXPECT_EQ(tolerant.check(plan_, 0, before_, belief_, now_).passed(), v <= 0.26) << v;
+  }
 }
 
 TEST_F(GuardTest, StoppingTailsPassWithoutCertificate) {
@@ -891,6 +928,37 @@ TEST_F(TimedCommandTest, ThePoseIsToldAndOneThatTheRobotGetsTo) {
   EXPECT_LT(verdict.command.linear.x(), before_.linear.x());
 }
 
+// As far as it drives and turns in the age of the belief, while it is held and in the lag, and a
+// bit.
+TEST_F(TimedCommandTest, ThePoseIsNoFartherThanTheRobotGets) {
+  asked_.hold = 0.2;
+  for (const double age : {0.0, 0.2}) {
+    now_ = 10.0 + age;
+    const double time = age + 0.2 + Guard::Options::kLag;
+    for (const double off : {-0.01, 0.01}) {
+      const GuardReason reason = off < 0.0 ? GuardReason::kPassed : GuardReason::kMap;
+      *asked_.pose = belief_.pose;
+      asked_.pose->position.x() += 0.6 * time + Guard::Options::kPoseSlack + off;
+      EXPECT_EQ(check_timed().reason, reason) << age << ": " << check_timed().detail;
+      *asked_.pose = belief_.pose;
+      asked_.pose->yaw -= time + Guard::Options::kPoseSlack + off;
+      EXPECT_EQ(check_timed().reason, reason) << age << ": " << check_timed().detail;
+    }
+  }
+}
+
+// Held for three steps, it is certified for three.
+TEST_F(TimedCommandTest, IsCertifiedForAsLongAsItIsHeld) {
+  Certifier::Options options = certificate_options();
+  for (const int most : {2, 3}) {
+    options.max_checks = 800 * most;
+    asked_.hold = 3 * asked_.step;
+    const Guard guard(model_, CylinderShape{}, options);
+    const std::string detail = guard.check(plan_, asked_, before_, belief_, now_).detail;
+    EXPECT_EQ(detail == "the command is held for too many steps", most < 3) << detail;
+  }
+}
+
 TEST_F(TimedCommandTest, OfABaseThatIsControlledByAcceleration) {
   const std::shared_ptr<const MotionModel> model = make_model("unicycle_accel");
   const Guard guard = make_guard(model);
@@ -902,6 +970,8 @@ TEST_F(TimedCommandTest, OfABaseThatIsControlledByAcceleration) {
   const GuardVerdict verdict = guard.check(plan_, asked_, before_, belief_, now_);
   EXPECT_TRUE(verdict.passed()) << verdict.detail;
   EXPECT_NEAR(verdict.command.linear.x(), 0.22, 1e-12);
+  asked_.input = Eigen::Vector2d(0.9, 0.0);  // of 0.8 m/s^2
+  EXPECT_EQ(guard.check(plan_, asked_, before_, belief_, now_).reason, GuardReason::kRate);
 }
 
 }  // namespace

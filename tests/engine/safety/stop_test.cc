@@ -153,6 +153,15 @@ TEST(Stop, AStoppingPlanFollowsTheCertifiedPathToItsEnd) {
   const GuardVerdict verdict = guard.check(stop, 0, kBefore, belief, 0.0);
   EXPECT_EQ(verdict.reason, GuardReason::kMap);
   EXPECT_NEAR(verdict.command.yaw_rate, 0.0, 1e-9);
+  // A wall across, which each stop touches: the one that touches last is driven.
+  belief = world_of({{7, 8, -20, 20}}).belief();
+  belief.command = kBefore;
+  const Plan late = stopping_plan(belief, *model, kDt,
+                                  {.along = &certified, .certifier = &certifier}, "a wall across");
+  belief.set_stamps(0.0);
+  const GuardVerdict last = guard.check(late, 0, kBefore, belief, 0.0);
+  EXPECT_TRUE(last.passed()) << last.detail;
+  EXPECT_GT(std::abs(last.command.yaw_rate), 0.5);
 }
 
 // A tail that turns and takes less from the speed, or turns on for ever, is none.
@@ -160,20 +169,84 @@ TEST(Stop, ASteeringTailBrakesAsHardToRest) {
   const auto model = fast_model();
   const Guard guard(model, CylinderShape{}, options());
   Belief belief = ObstacleWorld().belief();
-  const auto passes = [&](std::vector<Eigen::Vector2d> inputs) {
+  const auto passes = [&](const std::vector<Eigen::VectorXd>& inputs) {
     Plan plan = turning_plan(*model);
     plan.kind = PlanKind::kStoppingTail;
     plan.certified = false;
     plan.committed = static_cast<int>(inputs.size());
     plan.inputs.assign(inputs.begin(), inputs.end());
     plan.commands.clear();
-    for (const auto& u : inputs) plan.commands.push_back(model->twist(plan.states.front(), u));
+    for (const auto& u : inputs) plan.commands.push_back({{u[0], 0.0, 0.0}, u[1]});
     return guard.check(plan, 0, kBefore, belief, 0.0).passed();
   };
-  EXPECT_TRUE(passes({{1.125, 0.9}, {0.75, 0.6}, {0.375, 0.3}, {0.0, 0.0}}));
-  EXPECT_FALSE(passes({{1.2, 0.9}, {0.75, 0.6}, {0.375, 0.3}, {0.0, 0.0}}));
-  EXPECT_FALSE(passes({{1.125, 0.9}, {0.75, 0.6}, {0.375, 0.3}}));
-  EXPECT_FALSE(passes({{1.125, 0.9}, {0.75, 0.6}, {0.375, 0.3}, {0.0, 0.3}}));
+  const auto u = [](double v, double w) -> Eigen::VectorXd { return Eigen::Vector2d(v, w); };
+  const std::vector<Eigen::VectorXd> sound{u(1.125, 0.9), u(0.75, 0.6), u(0.375, 0.3), u(0.0, 0.0)};
+  EXPECT_TRUE(passes(sound));
+  const auto with = [&](std::size_t k, const Eigen::VectorXd& input) {
+    std::vector<Eigen::VectorXd> inputs = sound;
+    inputs[k] = input;
+    return inputs;
+  };
+  EXPECT_FALSE(passes(with(0, u(1.2, 0.9))));
+  EXPECT_FALSE(passes({sound.begin(), sound.end() - 1}));
+  EXPECT_FALSE(passes(with(3, u(0.0, 0.3))));
+  EXPECT_FALSE(passes(with(2, u(std::nan(""), 0.3))));
+  EXPECT_FALSE(passes(with(2, Eigen::Vector3d(0.375, 0.3, 0.0)))) << "an input of another robot";
+}
+
+/// Left, then right, from a place and a yaw of its own; the second half as stages or as the tail.
+struct Bends {
+  Plan plan;
+  Eigen::VectorXd middle;  // state between the bends
+  Bends(const MotionModel& model, bool right_is_tail) {
+    plan.certified = true;
+    plan.stamp = 20.0;
+    plan.dt = kDt;
+    Eigen::VectorXd x = model.state({{3.0, -2.0, 0.0}, 1.0}, {}), next(model.nx());
+    plan.states = {x};
+    for (int k = 0; k < 8; ++k) {
+      if (k == 4) middle = x;
+      const Eigen::Vector2d u(0.6, k < 4 ? 1.2 : -1.2);
+      model.step(x, u, kDt, next);
+      (right_is_tail && k >= 4 ? plan.tail : plan.commands).push_back(model.twist(next, u));
+      x = next;
+    }
+    plan.committed = static_cast<int>(plan.commands.size());
+  }
+};
+
+TEST(Stop, BeginsWhereThePlanIsNearest) {
+  Unicycle::Parameters p;
+  p.alpha_max = 20.0;
+  p.omega_max = 1.5;
+  const Unicycle model(p);
+  for (const bool right_is_tail : {false, true}) {
+    const Bends bends(model, right_is_tail);
+    const Eigen::MatrixXd stop =
+        stop_along(model, bends.plan, bends.middle, Eigen::Vector2d(0.6, -1.2), 0.05);
+    ASSERT_GT(stop.cols(), 10) << right_is_tail;
+    for (Eigen::Index k = 0; stop(0, k) > 0.05; ++k) {
+      EXPECT_NEAR(stop(1, k) / stop(0, k), -2.0, 1e-6) << right_is_tail << k;
+    }
+    // Beside it, or across it, there is no path.
+    Eigen::VectorXd away = bends.middle;
+    away.head<2>() += 0.3 * Eigen::Vector2d(-std::sin(away[2]), std::cos(away[2]));
+    EXPECT_EQ(stop_along(model, bends.plan, away, Eigen::Vector2d(0.6, 0.0), 0.05).cols(), 0);
+    away = bends.middle;
+    away[2] += 0.6;
+    EXPECT_EQ(stop_along(model, bends.plan, away, Eigen::Vector2d(0.6, 0.0), 0.05).cols(), 0);
+  }
+  // Where the plan stands, who still moves brakes straight on.
+  Plan stands;
+  stands.dt = kDt;
+  stands.committed = 2;
+  stands.commands.resize(2);
+  stands.states = {model.state({}, {})};
+  const Eigen::MatrixXd stop =
+      stop_along(model, stands, stands.states[0], Eigen::Vector2d(0.4, 0.0), 0.05);
+  ASSERT_GT(stop.cols(), 0);
+  EXPECT_TRUE(stop.allFinite());
+  EXPECT_NEAR(stop(0, 0), 0.4 - 0.8 * 0.05, 1e-9);
 }
 
 // On the path, whatever the model: at each place the plan's own yaw, up to what the rates allow.

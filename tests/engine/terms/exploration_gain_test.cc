@@ -291,6 +291,17 @@ TEST(ExplorationGain, DegenerateInput) {
   }
   t.states(4, 0) = std::numeric_limits<double>::quiet_NaN();
   EXPECT_FALSE(std::isfinite(test::evaluate(gain, t, false).value(0, 0)));
+  const double infinite = std::numeric_limits<double>::infinity();
+  for (const double bad : {-1.0, infinite, std::nan("")}) {
+    ExplorationTargets targets = s.targets;
+    targets.targets[3].mass = bad;
+    EXPECT_THROW(ExplorationGain(targets, RgbdFootprint(), CameraMount(), s.table),
+                 std::invalid_argument);
+    targets = s.targets;
+    targets.reference_area = bad;
+    EXPECT_THROW(ExplorationGain(targets, RgbdFootprint(), CameraMount(), s.table),
+                 std::invalid_argument);
+  }
   // A table of other points, and options out of range.
   EXPECT_THROW(ExplorationGain(s.targets, RgbdFootprint(), CameraMount(), none.table),
                std::invalid_argument);
