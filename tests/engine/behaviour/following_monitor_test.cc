@@ -72,6 +72,19 @@ TEST(FollowingMonitor, BeginsAnewAfterAGapAndWhatIsNotFinite) {
     t += kDt;
     EXPECT_FALSE(motion.update(t, pose, ahead(n % 3 == 2 ? nan : 0.2))) << n;
   }
+  const Pose nowhere{{nan, 0.0, 0.0}, 0.0}, unturned{{0.0, 0.0, 0.0}, nan};
+  for (const Pose& bad : {nowhere, unturned}) {
+    motion.reset();
+    for (int n = 0; n < 12; ++n) {
+      t += kDt;
+      EXPECT_FALSE(motion.update(t, n % 3 == 2 ? bad : pose, ahead(0.2))) << n;
+    }
+  }
+  motion.reset();
+  for (int n = 0; n < 12; ++n) {
+    t += kDt;
+    EXPECT_FALSE(motion.update(n % 3 == 2 ? nan : t, pose, ahead(0.2))) << n;
+  }
   for (int n = 0; n < 12; ++n) {
     t += kDt;
     if (n % 3 == 2) motion.reset();

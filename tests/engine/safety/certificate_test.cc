@@ -633,6 +633,11 @@ TEST(Certificate, EmptyMapIsClear) {
                   .certify(belief, model, Eigen::Vector3d::Zero(), Eigen::Vector2d::Zero(),
                            constant(model, 4, {0.5, 0.3}), kDt)
                   .ok());
+  // One cell of 2 m that is larger than all that the body reaches.
+  auto cell = std::make_shared<VoxelGrid>(GridFrame{2.0, 0, 0, 1, 1}, 0.0, 2.0);
+  cell->set(0, 0, 0, CellState::kOccupied);
+  belief.voxels = cell;
+  EXPECT_TRUE(certifier.in_collision(belief, {{1.0, 1.0, 0.0}, 0.0}, true));
 }
 
 TEST(Certificate, BadNumbersAreReportedNotThrown) {
@@ -729,6 +734,11 @@ TEST(Certificate, WithoutABoundOnThePoseOnlyWhatIsInViewIsEntered) {
       EXPECT_EQ(status(blind, belief, {0.0, 0.0, 1.0}), Status::kOk);
     }
   }
+  const Certificate refused =
+      certifier.certify(lost_belief(world), model, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(),
+                        constant(model, 2, {-0.4, 0.0, 0.0}), kDt);
+  EXPECT_NE(refused.detail.find("would leave what is in view after"), std::string::npos)
+      << refused.detail;
   // A bound that is small enough, or a pose that is known, changes nothing.
   Belief bounded = lost_belief(world, 0.25);
   EXPECT_EQ(status(certifier, bounded, {-0.4, 0.0, 0.0}), Status::kOk);

@@ -446,7 +446,7 @@ TEST_F(GuardTest, EachSourceHasItsOwnAge) {
     const GuardVerdict verdict = check();
     EXPECT_EQ(verdict.reason, GuardReason::kStale);
     EXPECT_NE(verdict.detail.find(source.name), std::string::npos) << verdict.detail;
-    EXPECT_NE(verdict.detail.find("7.5 s"), std::string::npos) << verdict.detail;
+    EXPECT_NE(verdict.detail.find(" 7.5 s old"), std::string::npos) << verdict.detail;
     expect_braking(verdict);
     for (const double bad : {now_ + 0.1, kNan, kInfinity, -kInfinity}) {
       belief_.stamps.*source.stamp = bad;

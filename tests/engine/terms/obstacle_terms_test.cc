@@ -158,6 +158,16 @@ TEST(ClearanceConstraint, RequirementRelaxesButNeverBelowTheFloor) {
   EXPECT_LT(constraint.required(-0.1, 0.3), constraint.required(-0.1, 0.6));
 }
 
+TEST(ClearanceConstraint, RefusesASlackThatIsNone) {
+  const auto c = cases(Obstacles::kOccupied).front().clearance;
+  const double infinite = std::numeric_limits<double>::infinity();
+  for (const double bad : {-1e-6, infinite, std::numeric_limits<double>::quiet_NaN()}) {
+    ClearanceConstraint::Options options;
+    options.slack = bad;
+    EXPECT_THROW(ClearanceConstraint(c, options), std::invalid_argument) << bad;
+  }
+}
+
 TEST(ClearanceConstraint, ARobotInAWallHasAWayOut) {
   ObstacleWorld world(0.1, 3.0);
   for (int j = -30; j < 30; ++j) {
