@@ -380,6 +380,70 @@ TEST(Certificate, UnknownSpaceUnderTheRobotAtTheStartIsTolerated) {
   EXPECT_EQ(
       slim.certify(world.belief(), model, x0, still, constant(model, 4, {0.3, 0.0}), kDt).status,
       Status::kUnknownSpace);
+  // Farther on, where all about it is looked at anew, nothing else is.
+  for (int j = -20; j < 20; ++j) world.forget_column(14, j);
+  const Certificate far =
+      certifier.certify_inputs(world.belief(), model, x0, constant(model, 12, {0.5, 0.0}), kDt);
+  EXPECT_EQ(far.status, Status::kUnknownSpace);
+  EXPECT_NEAR(far.pose.position.x(), 1.05, 0.05);
+}
+
+// Below and above the height 0, and where the map does not begin at its origin.
+TEST(Certificate, AMapMayBeginAnywhere) {
+  const Unicycle model;
+  for (const int k0 : {-7, 0, 3}) {
+    const GridFrame frame{0.1, 5, -25, 40, 40};
+    std::vector<CellState> all(40 * 40 * 16, CellState::kFree);
+    auto voxels = std::make_shared<VoxelGrid>(frame, k0, 16, all);
+    auto ground = std::make_shared<GroundMap>(frame);
+    for (int n = 0; n < frame.size(); ++n) ground->set(frame.at(n), CellState::kFree);
+    Belief belief;
+    for (const int layer : {2, 4, 6}) {
+      VoxelGrid with_one = *voxels;
+      with_one.set(30, -5, layer, CellState::kOccupied);
+      belief.voxels = std::make_shared<const VoxelGrid>(with_one);
+      belief.ground = ground;
+      const Certifier certifier(CylinderShape{{0.0, 0.0, 0.3}, 0.18, 0.4}, free_policy());
+      const Certificate verdict = certifier.certify_inputs(
+          belief, model, Eigen::Vector3d(2.0, -0.45, 0.0), constant(model, 8, {0.5, 0.0}), kDt);
+      const bool in_the_way = layer >= std::max(1, k0) && layer < 5;  // of heights 0.1 to 0.5 m
+      EXPECT_EQ(verdict.status, in_the_way ? Status::kCollision : Status::kOk)
+          << k0 << ' ' << layer;
+      if (!in_the_way) continue;
+      EXPECT_NEAR(verdict.pose.position.x(), 3.0 - 0.18, 0.06);
+    }
+  }
+}
+
+TEST(Certificate, OptionsOutOfRangeAreRefused) {
+  const double nan = std::nan(""), infinite = std::numeric_limits<double>::infinity();
+  using Options = Certifier::Options;
+  const struct {
+    double Options::*option;
+    std::vector<double> bad;
+  } rows[] = {{&Options::margin, {0.0, -0.1, nan, infinite}},
+              {&Options::max_tail_time, {0.0, -1.0, nan}},
+              {&Options::reduced_margin_share, {-0.1, 1.1, nan}},
+              {&Options::drift_margin, {-0.1, nan, infinite}},
+              {&Options::drift_limit, {-0.1, nan, infinite}},
+              {&Options::max_doubt, {0.0, 0.6, -0.1, nan}},
+              {&Options::max_lost_error, {-0.1, nan}}};
+  for (const auto& row : rows) {
+    for (const double bad : row.bad) {
+      Options options = free_policy();
+      options.*row.option = bad;
+      EXPECT_THROW(Certifier(CylinderShape{}, options), std::invalid_argument) << bad;
+    }
+  }
+  for (const VerticalExtent& slice : {VerticalExtent{0.5, 0.5}, VerticalExtent{0.5, 0.1},
+                                      VerticalExtent{nan, 0.5}, VerticalExtent{0.1, infinite}}) {
+    Options options = free_policy();
+    options.slice = {slice.z_min, slice.z_max};
+    EXPECT_THROW(Certifier(CylinderShape{}, options), std::invalid_argument);
+  }
+  Options options = free_policy();
+  options.max_checks = 0;
+  EXPECT_THROW(Certifier(CylinderShape{}, options), std::invalid_argument);
 }
 
 TEST(Certificate, ARobotInContactMayLeaveButNotGoDeeper) {
@@ -669,20 +733,6 @@ TEST(Certificate, BadNumbersAreReportedNotThrown) {
   EXPECT_TRUE(certifier.in_collision(belief, {{nan, 0.0, 0.0}, 0.0}, true));
 
   Certifier::Options options = free_policy();
-  options.margin = 0.0;
-  EXPECT_THROW(Certifier(CylinderShape{}, options), std::invalid_argument);
-  options = free_policy();
-  options.slice = {0.5, 0.1};
-  EXPECT_THROW(Certifier(CylinderShape{}, options), std::invalid_argument);
-  for (const double bad : {-0.1, nan}) {
-    options = free_policy();
-    options.max_lost_error = bad;
-    EXPECT_THROW(Certifier(CylinderShape{}, options), std::invalid_argument);
-  }
-  options = free_policy();
-  options.max_checks = 0;
-  EXPECT_THROW(Certifier(CylinderShape{}, options), std::invalid_argument);
-  options = free_policy();
   options.sensor = DepthSensor{};
   options.sensor->footprint.max_range = nan;
   EXPECT_THROW(Certifier(CylinderShape{}, options), std::invalid_argument);
