@@ -542,6 +542,35 @@ TEST(CommandFollowing, AReportThatSaysNothingHidesNothing) {
   }
 }
 
+// A turn is held against the limit of turns, the way against those of ways.
+TEST(CommandFollowing, EachLimitIsThatOfItsAxis) {
+  World mirrored;
+  mirrored.fault = verbs()[1].made;
+  mirrored.from = 2.0;
+  EXPECT_TRUE(drive(mirrored, 4.0, steadily(0.2, 0.5)));
+  EXPECT_TRUE(drive(mirrored, 4.0, steadily(0.2, 0.5), {.more_distance = 10, .less_distance = 10}));
+  EXPECT_FALSE(drive(mirrored, 4.0, steadily(0.2, 0.5), {.turn = 3.0}));
+  World backwards;
+  backwards.fault = verbs()[0].made;
+  backwards.from = 2.0;
+  EXPECT_TRUE(drive(backwards, 4.0, steadily(0.4, 0.0), {.turn = 3.0}));
+  EXPECT_FALSE(
+      drive(backwards, 4.0, steadily(0.4, 0.0), {.more_distance = 10, .less_distance = 10}));
+}
+
+// Of the time between two reports that are far apart nothing is known.
+TEST(CommandFollowing, AReportAfterAGapDecidesNothing) {
+  CommandFollowing following;
+  BaseReport base;
+  base.connected = true;
+  for (double now = 0.0; now < 6.0; now += kPeriod) {
+    if (now < 3.0 || now > 5.0) base.stamp = now;
+    base.velocity.linear.x() = now > 5.0 && now < 5.0 + 1.5 * kPeriod ? -0.6 : 0.6;
+    EXPECT_FALSE(following.look(now, base, nullptr)) << now;
+    following.told({now, now + kHold, {{0.6, 0.0, 0.0}, 0.0}, false});
+  }
+}
+
 // Poses that come seldom: a turn of more than 0.3 rad between two is no turn the other way; looked
 // at twice, stamps that hardly grow are still those of a clock that is stuck.
 TEST(CommandFollowing, PosesThatComeSeldom) {

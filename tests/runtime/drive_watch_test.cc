@@ -79,6 +79,8 @@ TEST_F(DriveWatchTest, ABaseThatIsSilentIsNotAtRest) {
   at(11.1);
   EXPECT_TRUE(at(11.4).base_silent);
   EXPECT_TRUE(DriveWatch().facts(seen_).base_silent) << "it was never there";
+  base_.stamp = 11.5;
+  EXPECT_TRUE(at(11.5).base_silent) << "a link that says that it is down is no word of the base";
 }
 
 // A base that reports rarely: what one report says lasts as long as a fault.
