@@ -27,7 +27,8 @@ struct RobotDrivers {
 ///
 /// Perception is by what the sensors deliver: `streams` are those that the robot needs, and cannot
 /// go without. With stereo pairs poses are those of visual odometry, with wheels where they turn;
-/// without, they come from outside (kPose). Depth images or scans make the map.
+/// without, they come from outside (kPose), or, with kWheels and no kPose, of the wheels alone that
+/// its base reports. Depth images or scans make the map.
 struct UserRobot {
   std::string name = "robot";  ///< for records: letters, digits, _ and -
   std::vector<SensorStream> streams{};

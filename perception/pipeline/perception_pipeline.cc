@@ -67,7 +67,7 @@ std::unique_ptr<Odometry> not_null(std::unique_ptr<Odometry> odometry) {
   return odometry;
 }
 
-void check(const PerceptionOptions& o, bool odometry) {
+void check(const PerceptionOptions& o) {
   constexpr std::string_view kOwner = "perception";
   check_parameter(o.start.position.allFinite() && std::isfinite(o.start.yaw), kOwner, "start",
                   o.start.yaw, "a finite pose");
@@ -76,8 +76,6 @@ void check(const PerceptionOptions& o, bool odometry) {
                   "a rotation and translation, finite");
   check_parameter(!o.wheels || !o.start_in_space, kOwner, "wheels", o.wheels,
                   "off with start_in_space: they measure motion in the plane");
-  check_parameter(!o.wheels || odometry, kOwner, "wheels", o.wheels,
-                  "off without an odometry: poses come from outside");
   check_knobs(kOwner, o);
 }
 
@@ -128,7 +126,7 @@ PerceptionPipeline::PerceptionPipeline(std::unique_ptr<Odometry> odometry,
       log_(options.max_age, options.max_leap),
       history_(options.max_age),
       pose_at_fix_(options.start) {
-  check(options, odometry_ != nullptr);
+  check(options);
   if (camera) validate(*camera);
   if (options.depth_camera) {
     validate(options.depth_camera->mount);
@@ -140,8 +138,10 @@ PerceptionPipeline::PerceptionPipeline(std::unique_ptr<Odometry> odometry,
 InputResult PerceptionPipeline::stereo(const StampedPair& pair) {
   const double stamp = pair.left_stamp;
   if (!odometry_) {
-    return log_.note(InputSource::kStereo,
-                     {InputState::kRefused, "there is no odometry: poses come from outside"});
+    return log_.note(
+        InputSource::kStereo,
+        {InputState::kRefused, options_.wheels ? "there is no odometry: wheels tell poses"
+                                               : "there is no odometry: poses come from outside"});
   }
   if (const auto objection = log_.objection(InputSource::kStereo, stamp)) return *objection;
   const double apart = std::abs(pair.right_stamp - stamp);
@@ -182,13 +182,16 @@ InputResult PerceptionPipeline::wheels(const WheelSample& sample) {
   }
   log_.note(InputSource::kWheels, {});
   newest_wheels_ = sample.stamp;
+  if (!odometry_) history_.add(sample.stamp, body(sample.stamp));
   enter_waiting();
   return {};
 }
 
 InputResult PerceptionPipeline::external_pose(const ExternalPose& pose) {
-  if (odometry_) {
-    return log_.note(InputSource::kPose, {InputState::kRefused, "the odometry gives the poses"});
+  if (odometry_ || options_.wheels) {
+    return log_.note(InputSource::kPose,
+                     {InputState::kRefused,
+                      odometry_ ? "the odometry gives the poses" : "the wheels give the poses"});
   }
   if (const auto objection = log_.objection(InputSource::kPose, pose.stamp)) return *objection;
   if (!is_pose(pose.T_WB)) {
@@ -319,8 +322,12 @@ BodyPose PerceptionPipeline::body(double stamp) const {
   BodyPose body;
   if (options_.wheels) {
     const FusedOdometry fused = fusion_.at(stamp);
-    body.pose = fused.pose;
-    body.state = std::max(frame_.state, fused.state);
+    if (!odometry_) {
+      body = by_wheels(fused);
+    } else {
+      body.pose = fused.pose;
+      body.state = std::max(frame_.state, fused.state);
+    }
   } else if (odometry_) {
     body.T_WB = frame_.T_WC * options_.stereo_mount.T_BC.inverse();
     body.state = frame_.state;
@@ -336,6 +343,15 @@ BodyPose PerceptionPipeline::body(double stamp) const {
     body.pose.position.z() = options_.start.position.z();
     body.T_WB = body_transform(body.pose);
   }
+  return body;
+}
+
+BodyPose PerceptionPipeline::by_wheels(const FusedOdometry& fused) const {
+  BodyPose body;
+  body.pose = fused.pose;
+  const bool heard = log_.count(InputSource::kWheels).taken > 0 &&
+                     fused.stamp - fused.newest <= options_.wheel_fusion.max_wheel_gap;
+  body.state = heard ? Localization::kOk : Localization::kLost;
   return body;
 }
 
@@ -428,6 +444,14 @@ std::shared_ptr<const Belief> PerceptionPipeline::belief(double stamp) {
                  : builder_.build(frame_, map().snapshot(), std::move(landmarks));
     if (frame_.state != Localization::kLost) memory_.add(*belief.landmarks);
     belief.landmarks = memory_.with_remembered(*belief.landmarks);
+  } else if (options_.wheels) {
+    const FusedOdometry fused = fusion_.at(stamp);
+    Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();
+    const Eigen::Vector3i planar(0, 1, 3);
+    covariance(planar, planar) = fused.covariance;
+    belief = builder_.build(fused.newest, by_wheels(fused), covariance, map().snapshot());
+    belief.stamp = fused.stamp;
+    belief.twist = fused.twist;
   } else {
     const ExternalPose none{.stamp = stamp, .state = Localization::kLost};
     const ExternalPose& newest = external_ ? *external_ : none;

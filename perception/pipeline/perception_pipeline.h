@@ -64,7 +64,9 @@ struct ExternalPose {
 /// A robot's perception: stamped stereo pairs, wheel motion, depth images and scans in, the belief
 /// that the planner takes out. It owns the odometry, its fusion with wheels, the mapping, the
 /// memory of landmarks, and what holds one sensor against the other. Without an odometry poses come
-/// from outside, instead of pairs and wheels, and the belief's localization is external.
+/// from outside, instead of pairs and wheels, and the belief's localization is external; or with
+/// wheels, which localize alone: dead reckoning, whose covariance grows with the way (WheelFusion),
+/// ok as long as they are heard.
 ///
 /// Poses from outside. With the covariance P of a pose, a point a metre ahead is off by
 ///   sigma = sqrt(largest eigenvalue of P in (x, y) + (1 m)^2 P_yaw);
@@ -118,14 +120,14 @@ class PerceptionPipeline {
   /// With another odometry, which begins at start_pose(options); options.odometry is not used.
   PerceptionPipeline(std::unique_ptr<Odometry> odometry, const StereoCamera& camera,
                      const PerceptionOptions& options);
-  /// Without an odometry: poses come from outside. Of the options, wheels must be off.
+  /// Without an odometry: poses come from outside, or, with wheels, from them.
   explicit PerceptionPipeline(const PerceptionOptions& options);
   /// T_WC of the left camera at the start.
   static Eigen::Isometry3d start_pose(const PerceptionOptions& options);
 
   InputResult stereo(const StampedPair& pair);
   InputResult wheels(const WheelSample& sample);
-  /// Refused where an odometry gives the poses.
+  /// Refused where an odometry or wheels give the poses.
   InputResult external_pose(const ExternalPose& pose);
   InputResult depth(double stamp, DepthImage image);
   /// in_B: as DepthScan, with origin and points in B [m].
@@ -184,6 +186,8 @@ class PerceptionPipeline {
   std::optional<BodyPose> body_at(double stamp) const;
   /// Holds the newest pair against the newest depth image, if they are of one time.
   void compare();
+  /// B by wheels alone.
+  BodyPose by_wheels(const FusedOdometry& fused) const;
   /// Empty, or that they disagree.
   std::string disagreement() const;
   void count_landmarks();

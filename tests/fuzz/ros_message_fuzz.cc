@@ -23,7 +23,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       case 4:
         return static_cast<void>(read_ros_pose(message, "nav_msgs/msg/Odometry", "message"));
       case 5:
-        return static_cast<void>(read_ros_motion(message, "message"));
+        return static_cast<void>(read_ros_motion(message, ros::Odometry::kType, "message"));
       default:
         return static_cast<void>(read_ros_header(message, "message"));
     }

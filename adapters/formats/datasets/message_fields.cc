@@ -133,6 +133,14 @@ constexpr FieldRule kTwistStamped[] = {
     {"twist.angular.x", kUsed},  {"twist.angular.y", kUsed},      {"twist.angular.z", kUsed},
 };
 
+constexpr FieldRule kTwistWithCovarianceStamped[] = {
+    {"header.stamp.sec", kUsed},      {"header.stamp.nanosec", kUsed},
+    {"header.frame_id", kUsed},       {"twist.twist.linear.x", kUsed},
+    {"twist.twist.linear.y", kUsed},  {"twist.twist.linear.z", kUsed},
+    {"twist.twist.angular.x", kUsed}, {"twist.twist.angular.y", kUsed},
+    {"twist.twist.angular.z", kUsed}, {"twist.covariance", kChecked},
+};
+
 constexpr FieldRule kBool[] = {
     {"data", kUsed},
 };
@@ -152,6 +160,7 @@ std::span<const FieldRule> fields_of(const char* type) {
   if (name == ros::PoseWithCovarianceStamped::kType) return kPoseWithCovarianceStamped;
   if (name == ros::Odometry::kType) return kOdometry;
   if (name == ros::TwistStamped::kType) return kTwistStamped;
+  if (name == ros::TwistWithCovarianceStamped::kType) return kTwistWithCovarianceStamped;
   if (name == ros::Bool::kType) return kBool;
   return {};
 }

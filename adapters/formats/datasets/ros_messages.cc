@@ -78,6 +78,18 @@ RosTransform with_covariance(const ros::Header& header, const std::string& child
   return out;
 }
 
+RosMotion motion_of(const ros::Header& header, const std::string& frame, const ros::Twist& twist,
+                    const std::string& name) {
+  RosMotion out{ros::seconds(header.stamp),
+                frame,
+                {twist.linear.x, twist.linear.y, twist.linear.z},
+                {twist.angular.x, twist.angular.y, twist.angular.z}};
+  if (!out.linear.allFinite() || !out.angular.allFinite()) {
+    throw InputError(name + ": not a motion; expected finite numbers");
+  }
+  return out;
+}
+
 RosTransform transform_of(const ros::TransformStamped& m, const std::string& name) {
   if (without_slash(m.header.frame_id).empty() || without_slash(m.child_frame_id).empty()) {
     throw InputError(name + ": a transform from '" + m.child_frame_id + "' to '" +
@@ -238,18 +250,19 @@ RosTransform read_ros_pose(std::string_view cdr, const std::string& type, const 
   return with_covariance(m.header, m.child_frame_id, m.pose, name);
 }
 
-RosMotion read_ros_motion(std::string_view cdr, const std::string& name) {
+RosMotion read_ros_motion(std::string_view cdr, const std::string& type, const std::string& name) {
+  if (type == ros::TwistStamped::kType) {
+    const auto m = ros::from_cdr<ros::TwistStamped>(cdr, name);
+    return motion_of(m.header, m.header.frame_id, m.twist, name);
+  }
+  if (type == ros::TwistWithCovarianceStamped::kType) {
+    const auto m = ros::from_cdr<ros::TwistWithCovarianceStamped>(cdr, name);
+    check_variances(m.twist.covariance, "the motion", name);
+    return motion_of(m.header, m.header.frame_id, m.twist.twist, name);
+  }
   const auto m = ros::from_cdr<ros::Odometry>(cdr, name);
   check_variances(m.twist.covariance, "the motion", name);
-  const ros::Twist& twist = m.twist.twist;
-  RosMotion out{ros::seconds(m.header.stamp),
-                m.child_frame_id,
-                {twist.linear.x, twist.linear.y, twist.linear.z},
-                {twist.angular.x, twist.angular.y, twist.angular.z}};
-  if (!out.linear.allFinite() || !out.angular.allFinite()) {
-    throw InputError(name + ": not a motion; expected finite numbers");
-  }
-  return out;
+  return motion_of(m.header, m.child_frame_id, m.twist.twist, name);
 }
 
 }  // namespace prospect

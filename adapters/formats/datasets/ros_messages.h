@@ -55,8 +55,9 @@ struct RosMotion {
   std::string frame;
   Eigen::Vector3d linear, angular;  ///< [m/s], [rad/s]
 };
-/// That of the child frame of nav_msgs/msg/Odometry. Refused: what is not finite, and variances as
-/// of a pose.
-RosMotion read_ros_motion(std::string_view cdr, const std::string& name);
+/// Of nav_msgs/msg/Odometry that of its child frame, of geometry_msgs/msg/TwistStamped or
+/// TwistWithCovarianceStamped that of the header's, by `type`. Refused: what is not finite, and
+/// variances as of a pose.
+RosMotion read_ros_motion(std::string_view cdr, const std::string& type, const std::string& name);
 
 }  // namespace prospect

@@ -137,6 +137,18 @@ struct TwistWithCovariance {
   }
 };
 
+struct TwistWithCovarianceStamped {
+  static constexpr const char* kType = "geometry_msgs/msg/TwistWithCovarianceStamped";
+  Header header;
+  TwistWithCovariance twist;
+
+  template <class Message, class Visit>
+  static void fields(Message& m, Visit&& visit) {
+    visit("header", m.header);
+    visit("twist", m.twist);
+  }
+};
+
 struct Transform {
   static constexpr const char* kType = "geometry_msgs/msg/Transform";
   Vector3 translation;

@@ -114,7 +114,8 @@ constexpr std::array kRows = {
            "of wheels beside cameras; expected simulator.sensors: camera and perception.wheels: "
            "true"},
     KeyRow{"perception.wheels", cameras, kCameras},
-    KeyRow{"perception.wheel_fusion", [](const KeyReader& r) { return cameras(r) && r.wheels; },
+    KeyRow{"perception.wheel_fusion",
+           [](const KeyReader& r) { return (cameras(r) && r.wheels) || r.by_wheels; },
            "of wheels beside cameras; expected cameras and perception.wheels: true"},
     KeyRow{"perception.odometry",
            [](const KeyReader& r) { return cameras(r) || r.use == Use::kOdometry; }, kCameras},

@@ -44,6 +44,7 @@ struct KeyReader {
   bool scans = true;                          ///< ... a lidar
   bool pairs = true;                          ///< ... a stereo camera
   bool poses = true;                          ///< ... a pose that something else tells
+  bool by_wheels = false;                     ///< wheels alone localize it
   bool view_told = false;                     ///< its topics tell what its range sensor has in view
   std::vector<std::string> told_elsewhere{};  ///< keys that the topics' file stands above
 };

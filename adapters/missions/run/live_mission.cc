@@ -78,17 +78,18 @@ std::vector<WatchedStream> streams_of(const Robot& robot, const Guard::Options& 
   return streams;
 }
 
-/// Whether it has stereo pairs, by which it localizes itself; else its pose comes from outside.
-bool has_pairs(const Robot& robot) {
-  return robot.beliefs || std::find(robot.streams.begin(), robot.streams.end(),
-                                    SensorStream::kPair) != robot.streams.end();
+bool has(const Robot& robot, SensorStream stream) {
+  return std::find(robot.streams.begin(), robot.streams.end(), stream) != robot.streams.end();
 }
+/// Whether it has stereo pairs, by which it localizes itself.
+bool has_pairs(const Robot& robot) { return robot.beliefs || has(robot, SensorStream::kPair); }
 
 PerceptionPipeline pipeline_of(const Robot& robot, const Configuration& c,
                                const std::optional<RangeCamera>& depth) {
   PerceptionOptions options = live_perception(c, depth, robot.start);
   if (has_pairs(robot)) return PerceptionPipeline(c.robot.stereo, options);
-  options.wheels = false;
+  // Its pose comes from outside, or of its wheels alone.
+  options.wheels = has(robot, SensorStream::kWheels) && !has(robot, SensorStream::kPose);
   return PerceptionPipeline(options);
 }
 

@@ -296,7 +296,8 @@ int mission(const ExploreArguments& arguments, const Registries& registries,
     reader.scans = !base.dds->scan.empty() || !base.dds->point_cloud.empty();
     reader.view_told = base.dds->tells_view();
     reader.pairs = base.dds->has_stereo();
-    reader.poses = !reader.pairs;
+    reader.poses = base.dds->is_told_its_pose();
+    reader.by_wheels = !reader.pairs && !reader.poses;
   } else if (base.user) {
     const std::vector<SensorStream>& streams = base.user->streams;
     const auto has = [&](SensorStream stream) {
@@ -304,7 +305,8 @@ int mission(const ExploreArguments& arguments, const Registries& registries,
     };
     reader.depth = has(SensorStream::kDepth), reader.scans = has(SensorStream::kScan);
     reader.pairs = has(SensorStream::kPair);
-    reader.poses = !reader.pairs;
+    reader.by_wheels = !reader.pairs && has(SensorStream::kWheels) && !has(SensorStream::kPose);
+    reader.poses = !reader.pairs && !reader.by_wheels;
   }
   refuse_unread(configuration.entries, reader);
   Progress progress(arguments.quiet);

@@ -16,6 +16,7 @@
 #include "adapters/formats/ros/geometry_msgs.h"
 #include "adapters/formats/ros/nav_msgs.h"
 #include "adapters/robots/dds/dds_links.h"
+#include "models/sinc.h"
 #include "runtime/clock_offset.h"
 
 namespace prospect {
@@ -40,14 +41,15 @@ struct DdsBase::Impl {
   }
   /// Where the frame of the odometry is in B, which it must be or be fixed to.
   Eigen::Isometry3d odometry_frame(const std::string& child) const {
+    const std::string field = options.tells_odometry_pose() ? "child_frame_id" : "frame_id";
     if (without_slash(child) == options.frames.base) return Eigen::Isometry3d::Identity();
     if (!options.odometry_by_tf) {
-      throw InputError(options.odometry + ": child_frame_id is '" + child + "'; expected '" +
+      throw InputError(options.odometry + ": " + field + " is '" + child + "'; expected '" +
                        options.frames.base + "' (frames.base), or odometry_frame: tf");
     }
     const auto T = transforms.newest(options.frames.base, child);
     if (!T) {
-      throw InputError(options.odometry + ": no transform from its child_frame_id '" + child +
+      throw InputError(options.odometry + ": no transform from its " + field + " '" + child +
                        "' to '" + options.frames.base + "'; expected it on " + options.tf_static +
                        " or " + options.tf);
     }
@@ -66,26 +68,48 @@ struct DdsBase::Impl {
 
   void add(std::string_view cdr, const std::string& name, std::uint64_t publisher) {
     if (!is_heard(publisher)) return;
-    const RosMotion told = read_ros_motion(cdr, name);
-    const RosTransform pose = read_ros_pose(cdr, ros::Odometry::kType, name);
-    check_parent(pose.parent);
+    const RosMotion told = read_ros_motion(cdr, options.odometry_type, name);
+    if (!(told.stamp > 0.0)) {
+      throw InputError(name + ": a motion without a stamp; expected the time of its measurement");
+    }
     const Eigen::Isometry3d T_BO = odometry_frame(told.frame);
     // The twist of a rigid body in B: turned, and less what turning adds at the frame's place.
     const Eigen::Vector3d turning = T_BO.linear() * told.angular;
     const Eigen::Vector3d moving =
         T_BO.linear() * told.linear - turning.cross(Eigen::Vector3d(T_BO.translation()));
     const WheelSample sample{told.stamp, moving.head<2>(), turning.z()};
-    const Eigen::Isometry3d T = pose.T * T_BO.inverse();
+    std::optional<Eigen::Isometry3d> T;
+    if (options.tells_odometry_pose()) {
+      const RosTransform pose = read_ros_pose(cdr, ros::Odometry::kType, name);
+      check_parent(pose.parent);
+      T = pose.T * T_BO.inverse();
+    }
     const std::lock_guard lock(mutex);
+    if (!T) T = moved(sample);
     heard = clock.now();
     offset.add(sample.stamp, *heard);
     velocity = {{moving.x(), moving.y(), 0.0}, turning.z()};
     if (wheels.size() == kMost) wheels.erase(wheels.begin());
     wheels.push_back(sample);
-    poses.emplace_back(sample.stamp, T);
+    poses.emplace_back(sample.stamp, *T);
     while (poses.size() > kMost || poses.back().first - poses.front().first > kKept) {
       poses.pop_front();
     }
+  }
+
+  /// The newest pose, and the arc that was driven since then.
+  Eigen::Isometry3d moved(const WheelSample& sample) const {
+    if (poses.empty()) return Eigen::Isometry3d::Identity();
+    const double dt = std::max(0.0, sample.stamp - poses.back().first);
+    const double turn = sample.yaw_rate * dt;
+    const auto turned_by = [](double angle) {
+      return Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ());
+    };
+    const Eigen::Vector3d way(sample.velocity.x() * dt, sample.velocity.y() * dt, 0.0);
+    Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+    T.linear() = turned_by(turn).toRotationMatrix();
+    T.translation() = sinc(0.5 * turn) * (turned_by(0.5 * turn) * way);
+    return poses.back().second * T;
   }
 
   void publish(const Twist& command) {
@@ -128,7 +152,13 @@ DdsBase::DdsBase(const DdsOptions& options, DdsNode& node, const DdsTransforms& 
                  const Clock& clock, DriveRequests* requests)
     : impl_(std::make_shared<Impl>(options, node, transforms, clock)) {
   const auto impl = impl_;
-  node.subscribe(options.odometry, ros::definition_of<ros::Odometry>(), DdsQos{false, false, 50},
+  const std::string& type = options.odometry_type;
+  const std::vector<ros::MessageDefinition> definition =
+      type == ros::TwistStamped::kType ? ros::definition_of<ros::TwistStamped>()
+      : type == ros::TwistWithCovarianceStamped::kType
+          ? ros::definition_of<ros::TwistWithCovarianceStamped>()
+          : ros::definition_of<ros::Odometry>();
+  node.subscribe(options.odometry, definition, DdsQos{false, false, 50},
                  [impl](std::string_view cdr, const std::string& name, std::uint64_t publisher) {
                    impl->add(cdr, name, publisher);
                  });

@@ -24,8 +24,9 @@ namespace prospect {
 /// Commands: TwistStamped, stamped with the robot's clock, and Twist; to a relay TwistStamped
 /// alone. One that has expired is not sent. Nothing is sent before the first send() or stop().
 ///
-/// Report: velocity and wheel motion of the odometry's twist, which is the body's: of frames.base,
-/// or with odometry_by_tf of another frame that is fixed to it, and is carried over. The link
+/// Report: velocity and wheel motion of the odometry's twist, or of a stamped twist, which is the
+/// body's: of frames.base, or with odometry_by_tf of another frame that is fixed to it, and is
+/// carried over. The link
 /// stands while odometry has come and somebody subscribes to commands. Faults: odometry that is
 /// silent for half a second, a camera that moves (DdsTransforms::moved()), and what else is not as
 /// the contracts of the links say (dds_links.h). Of several publishers of odometry the first counts
@@ -56,7 +57,7 @@ class DdsBase final : public Base {
   /// `time` [s] of the runtime's clock as a stamp of the robot's. Before the offset has settled,
   /// of this machine's time of day.
   ros::Time ros_time(double time) const;
-  /// Pose of the base in the frame odom by its odometry at `time` [s] of the runtime's clock: the
+  /// Pose of the base in the frame odom by its odometry, or by its twists from where it began, at `time` [s] of the runtime's clock: the
   /// one whose stamp is nearest, of the newest 2 s. None: none has come.
   std::optional<Eigen::Isometry3d> odometry(double time) const;
 

@@ -67,10 +67,14 @@ void read_pose(YamlMap root, TopicReader& topics, DdsOptions& o) {
   using Source = DdsOptions::PoseSource;
   YamlMap pose = root.map("pose");
   auto& p = o.pose;
-  const std::string from = pose.choice("from", "stereo", {"stereo", "tf", "topic"},
-                                       "who says where the robot is: its stereo pair, tf, or the "
-                                       "topic of a localization");
-  o.pose_source = from == "tf" ? Source::kTf : from == "topic" ? Source::kTopic : Source::kStereo;
+  const std::string from =
+      pose.choice("from", "stereo", {"stereo", "wheels", "tf", "topic"},
+                  "who says where the robot is: its stereo pair, its odometry alone, tf, or the "
+                  "topic of a localization");
+  o.pose_source = from == "tf"       ? Source::kTf
+                  : from == "topic"  ? Source::kTopic
+                  : from == "wheels" ? Source::kWheels
+                                     : Source::kStereo;
   p.topic = topics.read(pose, "topic", "", "poses in frames.map", TopicReader::Empty::kAllowed);
   const std::string package = "geometry_msgs/msg/";
   p.type = pose.choice("type", "PoseWithCovarianceStamped",
@@ -103,7 +107,7 @@ void read_stereo(YamlMap root, TopicReader& topics, DdsOptions& o) {
   s.rectified = stereo.boolean("rectified", s.rectified, "images are rectified already");
   if (o.has_stereo()) return;
   if (stereo.present()) {
-    root.problem("stereo", "given beside a pose that something else tells; expected one of them");
+    root.problem("stereo", "given, though pose.from says that it is not used; expected one of them");
   }
   s = {"", "", "", ""};
 }
@@ -112,7 +116,7 @@ void read_depth(YamlMap root, TopicReader& topics, DdsOptions& o) {
   using Empty = TopicReader::Empty;
   YamlMap depth = root.map("depth");
   auto& d = o.depth;
-  // A robot that is told its pose may see by a lidar alone.
+  // A robot without a stereo pair may see by a lidar alone.
   if (!o.has_stereo() && !(o.scan.empty() && o.point_cloud.empty())) d.image.clear();
   d.image = topics.read(depth, "image", d.image, "depth images", Empty::kAllowed);
   d.info = topics.read(depth, "info", d.image.empty() ? "" : d.info, "calibration",
@@ -169,9 +173,13 @@ DdsOptions read_dds_options(const std::string& path) {
   }
   o.mounts_from_tf = root.choice("mounts", o.mounts_from_tf ? "tf" : "robot", {"robot", "tf"},
                                  "where cameras are: the robot's description, or tf") == "tf";
-  o.odometry = topics.read(root, "odometry", o.odometry, "nav_msgs/msg/Odometry", Empty::kRefused);
+  o.odometry = topics.read(root, "odometry", o.odometry, "wheel motion", Empty::kRefused);
+  const std::string type =
+      root.choice("odometry_type", "Odometry",
+                  {"Odometry", "TwistStamped", "TwistWithCovarianceStamped"}, "of the topic");
+  o.odometry_type = (type == "Odometry" ? "nav_msgs/msg/" : "geometry_msgs/msg/") + type;
   o.odometry_by_tf = root.choice("odometry_frame", o.odometry_by_tf ? "tf" : "base", {"base", "tf"},
-                                 "its child_frame_id: frames.base, or what tf fixes to it") == "tf";
+                                 "its frame: frames.base, or what tf fixes to it") == "tf";
   o.emergency_stop =
       topics.read(root, "emergency_stop", "", "std_msgs/msg/Bool, true stops", Empty::kAllowed);
   EmergencyStopContract& contract = o.emergency_stop_contract;
@@ -218,8 +226,9 @@ DdsOptions read_dds_options(const std::string& path) {
   YamlMap output = root.map("output");
   auto& p = o.output;
   // Who localizes it tells map -> odom, and from a map of its own.
-  p.transforms = o.has_stereo();
-  if (!o.has_stereo()) p.map = "/prospect/map";
+  // Of velocities alone nobody here knows where the driver's odom is.
+  p.transforms = !o.is_told_its_pose() && o.tells_odometry_pose();
+  if (o.is_told_its_pose()) p.map = "/prospect/map";
   p.path = topics.read(output, "path", p.path, "Path of the plan", Empty::kAllowed);
   p.map = topics.read(output, "map", p.map, "OccupancyGrid", Empty::kAllowed);
   p.octomap = topics.read(output, "octomap", p.octomap, "Octomap", Empty::kAllowed);
@@ -234,6 +243,9 @@ DdsOptions read_dds_options(const std::string& path) {
     if (told && o.pose_source == DdsOptions::PoseSource::kTf) {
       output.problem(key, "the pose comes from tf (pose.from); expected that others tell it");
     }
+  }
+  if (p.transforms && !o.tells_odometry_pose() && !p.odom_transform) {
+    output.problem("transforms", "odometry tells no pose; expected output.odom_transform: true, too");
   }
   yaml.finish();
   return o;

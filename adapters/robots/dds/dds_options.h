@@ -25,6 +25,7 @@ struct DdsOptions {
   /// Who says where the robot is.
   enum class PoseSource {
     kStereo,  ///< its stereo pair
+    kWheels,  ///< its odometry alone: dead reckoning from where it begins
     kTf,      ///< whoever tells tf where frames.base is in frames.map: AMCL, SLAM
     kTopic    ///< a topic of poses in frames.map: motion capture, say
   };
@@ -38,6 +39,10 @@ struct DdsOptions {
   PoseSource pose_source = PoseSource::kStereo;
   PoseTopic pose;
   bool has_stereo() const { return pose_source == PoseSource::kStereo; }
+  /// Whether something else localizes it.
+  bool is_told_its_pose() const {
+    return pose_source == PoseSource::kTf || pose_source == PoseSource::kTopic;
+  }
 
   /// Of a robot that localizes itself by it; else its topics are empty.
   struct Stereo {
@@ -60,7 +65,11 @@ struct DdsOptions {
   bool mounts_from_tf = false;
 
   std::string odometry = "/odom";  ///< its velocity; the pose only for transforms
-  /// Its child_frame_id may be a frame that tf knows to be fixed to frames.base; else it is that.
+  /// nav_msgs/msg/Odometry; or a stamped twist, by which the pose in frames.odom adds up.
+  std::string odometry_type = "nav_msgs/msg/Odometry";
+  bool tells_odometry_pose() const { return odometry_type == "nav_msgs/msg/Odometry"; }
+  /// Its frame (child_frame_id; of a twist frame_id) may be one that tf knows to be fixed to
+  /// frames.base; else it is that.
   bool odometry_by_tf = false;
   std::string emergency_stop;  ///< std_msgs/msg/Bool: true stops
   /// Of those who publish it. Of a latched one max_age is the longest liveliness lease that its

@@ -24,7 +24,7 @@ struct DdsParts {
         base(o.topics, node, transforms, clock, o.requests),
         sensors(o.topics, node, transforms, inbox),
         publisher(o.topics, node, base, clock, o.robot.model) {
-    if (!o.topics.has_stereo()) pose.emplace(o.topics, node, transforms, inbox);
+    if (o.topics.is_told_its_pose()) pose.emplace(o.topics, node, transforms, inbox);
     node.start();
   }
 
@@ -34,7 +34,7 @@ struct DdsParts {
   DdsTransforms transforms;
   DdsBase base;
   const DdsSensors sensors;
-  std::optional<DdsPose> pose;  // none: it localizes itself
+  std::optional<DdsPose> pose;  // none: it localizes itself, by cameras or wheels
   DdsPublisher publisher;
 };
 
@@ -49,9 +49,10 @@ Robot make_robot(const DdsRobotConfiguration& options) {
   robot.clock = {parts, &parts->clock};
   robot.base = {parts, &parts->base};
   robot.frames = {parts, &parts->inbox};
-  robot.streams = {parts->pose ? SensorStream::kPose : SensorStream::kPair,
-                   cameras.depth ? SensorStream::kDepth : SensorStream::kScan,
+  robot.streams = {cameras.depth ? SensorStream::kDepth : SensorStream::kScan,
                    SensorStream::kWheels};
+  if (parts->pose) robot.streams.insert(robot.streams.begin(), SensorStream::kPose);
+  if (cameras.stereo) robot.streams.insert(robot.streams.begin(), SensorStream::kPair);
   if (parts->pose) robot.start = parts->pose->wait();
   robot.start.position.z() = options.robot.base_height();
   robot.made = parts->clock.now();

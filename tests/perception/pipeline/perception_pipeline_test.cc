@@ -521,6 +521,36 @@ TEST(PerceptionPipeline, WhatWasMappedBeforeAPoseJumpedMayBeOffByTheJump) {
   EXPECT_NEAR(perception.belief()->covariance(0, 0), 0.65, 1e-12);
 }
 
+TEST(PerceptionPipeline, WheelsAloneLocalizeAndTheirErrorGrowsWithTheWay) {
+  PerceptionPipeline perception(options_with(true, true));
+  EXPECT_EQ(perception.belief()->localization, Localization::kLost) << "nothing is heard";
+  EXPECT_EQ(perception.stereo(pair_at(kBegin)).reason, "there is no odometry: wheels tell poses");
+  EXPECT_EQ(perception.external_pose({.stamp = kBegin}).reason, "the wheels give the poses");
+  double sigma = 0.0;
+  for (int k = 0; k <= 100; ++k) {
+    const double now = kBegin + 0.05 * k;
+    EXPECT_EQ(perception.wheels(wheels_at(now)).state, InputState::kTaken);
+    if (k % 10 != 5) continue;
+    // Between two samples, and entered where the body was then.
+    EXPECT_EQ(perception.depth(now - 0.02, depth_at(now - 0.02)).state, InputState::kTaken);
+    const Isometry3d T_WC = body_transform(truth(now - 0.02)) * kDepthCamera.mount.T_BC;
+    EXPECT_LT((perception.mapped().T_WC.matrix() - T_WC.matrix()).norm(), 5e-3);
+    const auto belief = perception.belief(now);
+    EXPECT_EQ(belief->localization, Localization::kOk);
+    EXPECT_EQ(belief->localization_source, LocalizationSource::kExternal);
+    EXPECT_EQ(belief->landmarks, nullptr);
+    EXPECT_LT((belief->pose.position - truth(now).position).norm(), 1e-9);
+    EXPECT_EQ(belief->stamps.pose, now);
+    EXPECT_NEAR(belief->twist.linear.x(), kSpeed, 1e-12);
+    EXPECT_GT(belief->covariance(0, 0) + belief->covariance(1, 1), sigma);
+    sigma = belief->covariance(0, 0) + belief->covariance(1, 1);
+  }
+  const auto silent = perception.belief(kBegin + 5.0 + 0.5);
+  EXPECT_EQ(silent->localization, Localization::kLost);
+  EXPECT_EQ(silent->stamps.pose, kBegin + 5.0) << "its age stops the robot";
+  EXPECT_GT(perception.belief()->ground->free_cells(), 200);
+}
+
 // A picture for people is no localization.
 TEST(PerceptionPipeline, WithoutAnOdometryThereAreNoSightings) {
   PerceptionPipeline perception(options_with(false, false));
@@ -546,7 +576,6 @@ TEST(PerceptionPipeline, RefusesOptionsOutOfRange) {
     o.start_in_space = Isometry3d::Identity();
     o.start_in_space->linear() *= 2.0;
   });
-  EXPECT_THROW(PerceptionPipeline(options_with(true, true)), std::invalid_argument) << "wheels";
   refused([](PerceptionOptions& o) { o.most_waiting = -1; });
   refused([](PerceptionOptions& o) { o.stereo_mount.T_BC.linear() *= 2.0; });
   refused([](PerceptionOptions& o) { o.depth_camera->mount.T_BC.linear() *= 2.0; });

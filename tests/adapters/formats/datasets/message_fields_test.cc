@@ -348,7 +348,7 @@ TEST(MessageFields, OfOdometryAndTwists) {
   odometry.twist.twist = {{1.0, 2.0, 3.0}, {4.0, 5.0, 6.0}};
   check<ros::Odometry>({odometry}, [](std::string_view cdr) {
     return text_of(read_ros_pose(cdr, ros::Odometry::kType, "m")) +
-           text_of(read_ros_motion(cdr, "m"));
+           text_of(read_ros_motion(cdr, ros::Odometry::kType, "m"));
   });
   // A relay hands all of it on, whatever it is (CommandGate).
   check<ros::TwistStamped>({{{{5, 7}, "base"}, odometry.twist.twist}}, [](std::string_view cdr) {
@@ -357,6 +357,14 @@ TEST(MessageFields, OfOdometryAndTwists) {
     return with_header(
         cdr, text(t.linear.x, t.linear.y, t.linear.z, t.angular.x, t.angular.y, t.angular.z));
   });
+  // As odometry.
+  const auto motion_of = [](const char* type) {
+    return [type](std::string_view cdr) { return text_of(read_ros_motion(cdr, type, "m")); };
+  };
+  check<ros::TwistStamped>({{{{5, 7}, "base"}, odometry.twist.twist}},
+                           motion_of(ros::TwistStamped::kType));
+  check<ros::TwistWithCovarianceStamped>({{{{5, 7}, "base"}, odometry.twist}},
+                                         motion_of(ros::TwistWithCovarianceStamped::kType));
 }
 
 TEST(MessageFields, OfBool) {
@@ -372,11 +380,11 @@ TEST(MessageFields, VariancesThatSayThatNothingIsKnown) {
       ros::Odometry m;
       m.pose.covariance[n] = none;
       EXPECT_THROW(read_ros_pose(ros::to_cdr(m), ros::Odometry::kType, "m"), InputError) << n;
-      EXPECT_NO_THROW(read_ros_motion(ros::to_cdr(m), "m")) << n;
+      EXPECT_NO_THROW(read_ros_motion(ros::to_cdr(m), ros::Odometry::kType, "m")) << n;
       m = {};
       m.twist.covariance[n] = none;
       EXPECT_NO_THROW(read_ros_pose(ros::to_cdr(m), ros::Odometry::kType, "m")) << n;
-      EXPECT_THROW(read_ros_motion(ros::to_cdr(m), "m"), InputError) << n;
+      EXPECT_THROW(read_ros_motion(ros::to_cdr(m), ros::Odometry::kType, "m"), InputError) << n;
     }
   }
 }

@@ -8,6 +8,7 @@
 #include <limits>
 #include <mutex>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "adapters/formats/ros/geometry_msgs.h"
@@ -334,6 +335,55 @@ TEST(DdsBase, CarriesTheMotionOfAFrameThatTfKnowsOverToTheBody) {
   const Eigen::Isometry3d T = *base.odometry(clock.now());
   EXPECT_NEAR(T.translation().x(), 3.0, 1e-9);
   EXPECT_NEAR(std::abs(T.translation().y()), 0.4, 1e-9);
+}
+
+TEST(DdsBase, AStampedTwistIsAMotionAndAddsUpToAPose) {
+  DdsOptions options;
+  options.odometry_type = ros::TwistWithCovarianceStamped::kType;
+  options.command.dead_man = 0.5;
+  const SteadyClock clock;
+  DdsNode node(test::dds_test_address("prospect"));
+  const DdsTransforms transforms(node);
+  DdsBase base(options, node, transforms, clock);
+  node.start();
+  DdsNode driver(test::dds_test_address("driver"));
+  const int topic = driver.advertise<ros::TwistWithCovarianceStamped>("/odom", kReliableQos);
+  driver.start();
+  ASSERT_TRUE(within(kPatience, [&] { return driver.subscribers("/odom") > 0; }));
+  // Half a turn to the left along an arc of 1 m radius, in ten seconds of its own time.
+  ros::TwistWithCovarianceStamped m;
+  m.header.frame_id = "base_link";
+  m.twist.twist.linear.x = m.twist.twist.angular.z = 0.1 * M_PI;
+  std::vector<WheelSample> came;
+  const auto tell = [&](double stamp) {
+    m.header.stamp = ros::time_of(stamp);
+    driver.publish(topic, m);
+  };
+  const auto come = [&](std::size_t count) {
+    return within(kPatience, [&] {
+      for (const WheelSample& sample : base.report().wheels) came.push_back(sample);
+      return came.size() >= count;
+    });
+  };
+  for (std::size_t n = 0; n <= 10; ++n) {
+    tell(100.0 + static_cast<double>(n));
+    ASSERT_TRUE(come(n + 1));
+  }
+  EXPECT_NEAR(came.back().velocity.x(), 0.1 * M_PI, 1e-12);
+  EXPECT_NEAR(came.back().yaw_rate, 0.1 * M_PI, 1e-12);
+  EXPECT_EQ(came.back().stamp, 110.0);
+  const Eigen::Isometry3d T = *base.odometry(clock.now() + 1e6);  // the newest
+  EXPECT_LT((T.translation() - Eigen::Vector3d(0.0, 2.0, 0.0)).norm(), 1e-9);
+  EXPECT_NEAR(T.linear()(0, 0), -1.0, 1e-9);
+
+  for (const auto& [stamp, variance, expected] :
+       {std::tuple(0.0, 0.0, "a motion without a stamp"), std::tuple(120.0, -1.0, "a variance")}) {
+    m.twist.covariance[0] = variance;
+    EXPECT_TRUE(within(
+        kPatience, [&] { return node.fault("/odom").find(expected) != std::string::npos; },
+        [&, at = stamp] { tell(at); }))
+        << expected;
+  }
 }
 
 }  // namespace

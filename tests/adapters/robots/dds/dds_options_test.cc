@@ -117,6 +117,22 @@ TEST(DdsOptions, ARobotThatIsToldItsPoseNeedsNoCameras) {
   const DdsOptions camera = read("pose: {from: tf}\ncommand: {dead_man: 0.5}\n");
   EXPECT_EQ(camera.depth.image, DdsOptions().depth.image) << "a depth camera and a pose";
   EXPECT_TRUE(read(rest).has_stereo());
+  const DdsOptions wheels = read("pose: {from: wheels}\ncommand: {dead_man: 0.5}\n");
+  EXPECT_FALSE(wheels.has_stereo() || wheels.is_told_its_pose());
+  EXPECT_EQ(wheels.depth.image, DdsOptions().depth.image);
+  EXPECT_TRUE(wheels.output.transforms) << "nobody else says where odom is";
+  EXPECT_EQ(wheels.output.map, "/map");
+}
+
+TEST(DdsOptions, OfVelocitiesAloneNobodyKnowsWhereOdomIs) {
+  const std::string rest = "command: {dead_man: 0.5}\nodometry_type: TwistStamped\n";
+  EXPECT_EQ(read(rest).odometry_type, "geometry_msgs/msg/TwistStamped");
+  EXPECT_FALSE(read(rest).output.transforms);
+  EXPECT_TRUE(read(rest + "output: {transforms: true, odom_transform: true}\n").output.transforms);
+  EXPECT_THAT(refusal(rest + "output: {transforms: true}\n"),
+              HasSubstr("yaml:3: output.transforms: odometry tells no pose"));
+  EXPECT_THAT(refusal("command: {dead_man: 0.5}\nodometry_type: Twist\n"),
+              HasSubstr("expected one of: Odometry, TwistStamped, TwistWithCovarianceStamped"));
 }
 
 TEST(DdsOptions, NamesTheLineOfWhatIsWrong) {
@@ -139,12 +155,13 @@ TEST(DdsOptions, NamesTheLineOfWhatIsWrong) {
       {"command: {dead_man: 0.5}\nemergency_stop: /s\nemergency_stop_age: .inf\n", "yaml:3: "},
       {"command: {dead_man: 0.5}\nemergency_stop: /s\nemergency_stop_publishers: 0\n", "yaml:3: "},
       {"command: {dead_man: 0.5}\npose: {from: tf}\nstereo: {left: /l}\n",
-       "yaml:3: stereo: given beside a pose"},
+       "yaml:3: stereo: given, though"},
       {"command: {dead_man: 0.5}\npose: {from: topic}\n", "yaml:2: pose.from: no topic"},
       {"command: {dead_man: 0.5}\npose: {from: tf, topic: /p}\n", "yaml:2: pose.topic: from is tf"},
       {"command: {dead_man: 0.5}\npose: {from: tf, type: Odometry}\n", "yaml:2: pose.type: from"},
       {"command: {dead_man: 0.5}\npose: {topic: /p}\n", "yaml:2: pose.topic: from is stereo"},
-      {"command: {dead_man: 0.5}\npose: {from: gps}\n", "expected one of: stereo, tf, topic"},
+      {"command: {dead_man: 0.5}\npose: {from: gps}\n",
+       "expected one of: stereo, wheels, tf, topic"},
       {"command: {dead_man: 0.5}\npose: {from: tf}\noutput: {transforms: true}\n",
        "yaml:3: output.transforms: the pose comes from tf"},
       {"command: {dead_man: 0.5, relay_age: never}\n", "expected one of: stamp, arrival"},
