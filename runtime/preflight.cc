@@ -99,7 +99,34 @@ CheckResult stream_check(const PreflightFacts::Stream& s, const PreflightOptions
   const bool live = s.age >= 0.0 && s.age <= s.limit && s.live_for >= o.live_time;
   return {"stream of " + s.source, live ? CheckVerdict::kPassed : CheckVerdict::kFailed,
           formatted("%.3f s old, within %.3f s for %.1f s; expected for %.1f s", s.age, s.limit,
-                    s.live_for, o.live_time)};
+                    s.live_for, o.live_time) +
+              (s.rate ? formatted("; %.1f a second", *s.rate) : "")};
+}
+
+CheckResult localization_check(const PreflightFacts& facts) {
+  const std::string name = "localization";
+  if (!facts.place) return not_possible(name, "nothing says where the robot is");
+  const Pose& at = facts.place->pose;
+  std::string why = std::string(to_string(facts.place->localization)) +
+                    formatted(", at (%.2f, %.2f) m, turned by %.0f degrees", at.position.x(),
+                              at.position.y(), at.yaw * 180.0 / M_PI);
+  if (std::isfinite(facts.place->sigma)) why += formatted(", within %.3f m", facts.place->sigma);
+  const bool ok = facts.place->localization == Localization::kOk;
+  return {name, ok ? CheckVerdict::kPassed : CheckVerdict::kWarned, why};
+}
+
+CheckResult ranges_check(const PreflightFacts& facts) {
+  if (!facts.ranges) return not_possible("ranges", "no raw ranges come");
+  const PreflightFacts::Ranges& r = *facts.ranges;
+  if (r.hits == 0) {
+    return {"ranges", CheckVerdict::kWarned,
+            formatted("none of %zu rays hits anything; expected a sensor that is not covered, and "
+                      "walls within its range",
+                      r.rays)};
+  }
+  return {
+      "ranges", CheckVerdict::kPassed,
+      formatted("%zu of %zu rays hit something, the nearest at %.2f m", r.hits, r.rays, r.nearest)};
 }
 
 CheckResult emergency_stop_check(const PreflightFacts& facts) {
@@ -234,6 +261,8 @@ std::vector<CheckResult> checks_before_motion(const PreflightFacts& facts,
     results.push_back(
         {"streams", CheckVerdict::kFailed, "no source was named; expected one or more"});
   }
+  results.push_back(localization_check(facts));
+  results.push_back(ranges_check(facts));
   results.push_back(base_check(facts));
   results.push_back(emergency_stop_check(facts));
   results.push_back(priority_check(facts));

@@ -1,11 +1,14 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "engine/maps/localization.h"
 #include "models/robot_shape.h"
+#include "models/types.h"
 #include "runtime/emergency_stop.h"
 
 namespace prospect {
@@ -75,8 +78,23 @@ struct PreflightFacts {
     std::string source;
     double age = 0.0, limit = 0.0;  ///< [s]
     double live_for = 0.0;          ///< [s] that it has been within its limit
+    std::optional<double> rate{};   ///< [1/s] of its frames; none: nobody counts
   };
   std::vector<Stream> streams{};
+
+  /// Where the robot is, as the belief has it; none: nobody says.
+  struct Place {
+    Pose pose;
+    double sigma = 0.0;  ///< [m] of its position, in the worst direction; not finite: unknown
+    Localization localization = Localization::kLost;
+  };
+  std::optional<Place> place{};
+  /// What the newest depth image or scan measures; none: no raw ranges come.
+  struct Ranges {
+    std::size_t rays = 0, hits = 0;
+    double nearest = 0.0;  ///< [m] from the sensor; of hits
+  };
+  std::optional<Ranges> ranges{};
 
   /// Of what others press; none: nothing of that kind is set up.
   std::optional<EmergencyStopState> emergency_stop{};
@@ -109,6 +127,8 @@ struct PreflightFacts {
 ///   cameras in step              |offset|;
 ///   clock of SOURCE              settled; jumps are warned of;
 ///   stream of SOURCE             within its limit for live_time;
+///   localization                 it is ok; else warned of;
+///   ranges                       some of them hit something; else warned of: covered, or far away;
 ///   base                         it answers, and reports no fault;
 ///   emergency stop               who may press it is heard of, and does not;
 ///   priority of commands         before all else that runs here; if the system does not allow it:

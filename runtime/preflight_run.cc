@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <mutex>
 #include <stdexcept>
 #include <stop_token>
 #include <thread>
 #include <utility>
 
+#include "engine/maps/pose_error.h"
 #include "models/formatted.h"
 #include "models/knobs.h"
 #include "models/limited_twist.h"
@@ -31,6 +34,34 @@ struct Motion {
     return turns ? Twist{Eigen::Vector3d::Zero(), rate} : Twist{{rate, 0.0, 0.0}, 0.0};
   }
 };
+
+PreflightFacts::Place place_of(const Belief& belief) {
+  const bool known = is_pose_covariance(belief.covariance) && !belief.covariance.isZero(0.0);
+  return {belief.pose, known ? position_sigma(belief.covariance) : std::nan(""),
+          belief.localization};
+}
+
+/// Of the newer of depth image and scan.
+std::optional<PreflightFacts::Ranges> ranges_of(const NewestRanges& newest) {
+  PreflightFacts::Ranges seen{0, 0, std::numeric_limits<double>::infinity()};
+  const auto add = [&](double range) {
+    ++seen.hits;
+    seen.nearest = std::min(seen.nearest, range);
+  };
+  if (newest.scan.in_B && !(newest.depth.image && newest.depth.stamp > newest.scan.stamp)) {
+    const DepthScan& scan = *newest.scan.in_B;
+    seen.rays = scan.hits.size() + scan.misses.size();
+    for (const Eigen::Vector3d& hit : scan.hits) add((hit - scan.origin).norm());
+  } else if (newest.depth.image) {
+    seen.rays = newest.depth.image->depth.size();
+    for (const float z : newest.depth.image->depth) {
+      if (std::isfinite(z) && z > 0.0F) add(z);
+    }
+  } else {
+    return std::nullopt;
+  }
+  return seen;
+}
 
 /// The motion as a plan: the guard judges each command of it. None: the model cannot.
 std::optional<Plan> plan_of(const MotionModel& model, const Pose& pose, double stamp,
@@ -195,6 +226,11 @@ class Run {
     std::vector<PreflightFacts::Stream> all;
     for (const WatchedStream& s : parts_.streams) all.push_back({s.source, 0.0, s.limit, 0.0});
     StreamWatch watch(std::move(all), parts_.clock.now());
+    const double begin = parts_.clock.now();
+    std::vector<std::uint64_t> before;
+    for (const WatchedStream& s : parts_.streams) {
+      before.push_back(s.count ? s.count().received : 0);
+    }
     const double end = parts_.clock.now() + options_.patience;
     std::vector<double> offsets;
     for (;;) {
@@ -217,10 +253,17 @@ class Run {
       wait();
     }
     facts.streams = watch.streams();
-    for (const WatchedStream& s : parts_.streams) {
+    if (const std::shared_ptr<const Belief> belief = newest()) facts.place = place_of(*belief);
+    if (parts_.inbox) facts.ranges = ranges_of(parts_.inbox->ranges());
+    const double watched = parts_.clock.now() - begin;
+    for (std::size_t k = 0; k < parts_.streams.size(); ++k) {
+      const WatchedStream& s = parts_.streams[k];
       PreflightFacts::Clock clock{s.source, 0.0, 0};
       if (s.count) {
         const StreamCount count = s.count();
+        if (watched > 0.0) {
+          facts.streams[k].rate = static_cast<double>(count.received - before[k]) / watched;
+        }
         clock.offset = count.offset;
         clock.jumps = count.jumps;
       }

@@ -63,6 +63,10 @@ timed_out "a mission in real time" drive office --time-limit 1.5 --quiet --out l
 grep -q 'capture to command' out.txt || fail "a mission in real time: no latency in '$out'"
 [[ -s live/steps.csv && -s live/report.html && -s live/summary.json ]] ||
   fail "a mission in real time: its run folder is not whole"
+succeeds "a look at a robot" drive office --check --quiet --out none
+grep -q '^localization  *passed  *ok, at' out.txt && grep -q '^slip  *not possible  *no turn: not asked for' out.txt ||
+  fail "drive --check: '$out'"
+[[ ! -e none ]] || fail "drive --check: it has written a run folder"
 # The live view says where it is, and keeps its token out of the run folder. Without its library it says so.
 succeeds "list adapters" list adapters
 if grep -q '^live .*not built in' out.txt; then

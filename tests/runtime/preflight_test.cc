@@ -29,6 +29,8 @@ Facts well() {
   f.stereo_offset = 0.0002;
   f.clocks = {{"cameras", -1.7e9, 0}};
   f.streams = {{"cameras", 0.05, 0.3, 4.0}, {"depth", 0.1, 0.5, 4.0}};
+  f.place = Facts::Place{{}, 0.01, Localization::kOk};
+  f.ranges = Facts::Ranges{100, 50, 0.5};
   f.base = "";
   f.emergency_stop.emplace();
   f.priority = "";
@@ -56,12 +58,12 @@ std::vector<std::string> names_of(const std::vector<CheckResult>& results) {
 
 TEST(Preflight, PassesARobotThatIsAsItShouldBe) {
   const std::vector<CheckResult> results = checks_before_motion(well());
-  EXPECT_THAT(
-      names_of(results),
-      ::testing::ElementsAre("camera height", "camera tilt", "body above the floor",
-                             "cameras in step", "clock of cameras", "stream of cameras",
-                             "stream of depth", "base", "emergency stop", "priority of commands",
-                             "dead-man", "largest speed", "largest yaw rate", "deceleration"));
+  EXPECT_THAT(names_of(results),
+              ::testing::ElementsAre("camera height", "camera tilt", "body above the floor",
+                                     "cameras in step", "clock of cameras", "stream of cameras",
+                                     "stream of depth", "localization", "ranges", "base",
+                                     "emergency stop", "priority of commands", "dead-man",
+                                     "largest speed", "largest yaw rate", "deceleration"));
   for (const CheckResult& result : results) {
     EXPECT_EQ(to_string(result.verdict), "passed") << result.check << ": " << result.why;
     EXPECT_FALSE(result.why.empty());
@@ -78,6 +80,8 @@ TEST(Preflight, SkipsNothingInSilence) {
                                                         {"cameras in step", kNotPossible},
                                                         {"clocks", kNotPossible},
                                                         {"streams", kFailed},
+                                                        {"localization", kNotPossible},
+                                                        {"ranges", kNotPossible},
                                                         {"base", kNotPossible},
                                                         {"emergency stop", kNotPossible},
                                                         {"priority of commands", kNotPossible},
@@ -91,6 +95,24 @@ TEST(Preflight, SkipsNothingInSilence) {
     EXPECT_FALSE(result.why.empty());
   }
   EXPECT_EQ(first_failed(results), "streams");
+}
+
+TEST(Preflight, SaysWhatIsSeen) {
+  PreflightFacts facts;
+  facts.streams = {{"scan", 0.1, 1.0, 2.0, 9.96}};
+  facts.place = {{{1.0, -2.0, 0.0}, M_PI_2}, 0.05, Localization::kOk};
+  facts.ranges = {360, 300, 0.45};
+  const auto of = [&](const char* check) { return result_of(checks_before_motion(facts), check); };
+  EXPECT_THAT(of("stream of scan").why, HasSubstr("; 10.0 a second"));
+  EXPECT_EQ(of("localization").why, "ok, at (1.00, -2.00) m, turned by 90 degrees, within 0.050 m");
+  EXPECT_EQ(of("localization").verdict, kPassed);
+  EXPECT_EQ(of("ranges").why, "300 of 360 rays hit something, the nearest at 0.45 m");
+  facts.place->localization = Localization::kLost;
+  facts.place->sigma = kNan;
+  facts.ranges->hits = 0;
+  EXPECT_EQ(of("localization").why, "lost, at (1.00, -2.00) m, turned by 90 degrees");
+  EXPECT_EQ(of("localization").verdict, kWarned);
+  EXPECT_EQ(of("ranges").verdict, kWarned);
 }
 
 TEST(Preflight, OfARobotWithoutCamerasNothingIsAskedOfThem) {

@@ -57,6 +57,9 @@ struct ExplorationRunOptions {
   /// Empty: in lockstep, as fast as the machine is. Else nothing is
   /// reproducible.
   std::optional<RealTimeRun> real_time;
+  /// Of a mission in real time: the checks before the first motion, but for those that move the
+  /// robot, and no more; nobody watches.
+  bool checks_only = false;
 };
 
 struct ExplorationRunResult {

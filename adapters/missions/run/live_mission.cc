@@ -178,8 +178,15 @@ ExplorationRunResult live_mission(const Robot& robot, const Configuration& c,
   const SteadyClock machine;
   const double begun = robot.clock->now(), begun_by_machine = machine.now();
   beliefs.watched_by(mission.observers);
+  PreflightRunOptions preflight = c.drive.preflight;
+  if (options.checks_only) preflight.turn = preflight.distance = 0.0;
   const PreflightResult checked =
-      run_preflight(parts, *robot.base, beliefs, c.drive.preflight, c.drive.driver, inputs);
+      run_preflight(parts, *robot.base, beliefs, preflight, c.drive.driver, inputs);
+  if (options.checks_only) {
+    ExplorationRunResult seen;
+    seen.preflight = checked.checks;
+    return seen;
+  }
   Driver driver(parts, faulty_planner, checked, c.drive.driver, mission);
   const MissionResult end = drive_if_fit(driver, checked.checks, robot, beliefs, mission.cancelled);
   ExplorationRunResult result;

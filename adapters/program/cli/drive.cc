@@ -69,6 +69,7 @@ Command drive_command(CLI::App& program) {
   command->add_flag("--measure", arguments.measure,
                     "With --base gazebo: measure by Gazebo's truth, against WORLD, which it "
                     "runs; nothing else is taken from it but the start");
+  add_check_option(command, arguments.mission);
   add_fault_option(command, arguments.faults);
   return {command, [given](const Invocation& in) {
             given->mission.command_line = in.typed;

@@ -11,6 +11,7 @@
 #include <iostream>
 #include <limits>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <system_error>
@@ -283,12 +284,8 @@ void tell_result(const ExploreArguments& arguments, const ExplorationRunResult& 
   }
 }
 
-}  // namespace
-
-int mission(const ExploreArguments& arguments, const Registries& registries,
-            const MissionBase& base, SignalGuard& signals) {
-  const Configuration configuration = configuration_of(arguments, registries, base);
-  if (tell_if_absent(configuration.solver, registries.solvers)) return kNotBuiltIn;
+/// Who reads keys of the configuration: this base, with what it has.
+KeyReader reader_of(const Configuration& configuration, const MissionBase& base) {
   KeyReader reader = key_reader(configuration, use_of(base));
   reader.world = base.knows_world();
   if (base.dds) {
@@ -308,7 +305,43 @@ int mission(const ExploreArguments& arguments, const Registries& registries,
     reader.by_wheels = !reader.pairs && has(SensorStream::kWheels) && !has(SensorStream::kPose);
     reader.poses = !reader.pairs && !reader.by_wheels;
   }
-  refuse_unread(configuration.entries, reader);
+  return reader;
+}
+
+ExplorationRunResult run_on(const MissionBase& base, const Configuration& configuration,
+                            const std::shared_ptr<const World>& world,
+                            const ExplorationRunOptions& options) {
+  if (base.gazebo) return explore_gazebo(configuration, world, options);
+  if (base.dds) return explore_dds(configuration, *base.dds, options);
+  if (base.user) return explore_user(configuration, *base.user, options);
+  return run_exploration(world, configuration, options);
+}
+
+/// Returns the exit code.
+int tell_checks(const std::vector<CheckResult>& checks, bool json) {
+  if (json) {
+    nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+    for (const CheckResult& check : checks) {
+      rows.push_back(
+          {{"check", check.check}, {"verdict", to_string(check.verdict)}, {"why", check.why}});
+    }
+    std::cout << rows.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << '\n';
+  } else {
+    std::cout << to_text(checks);
+  }
+  const std::string failed = first_failed(checks);
+  if (failed.empty()) return kDone;
+  std::cerr << "prospect: not fit to drive: " << failed << '\n';
+  return kFailed;
+}
+
+}  // namespace
+
+int mission(const ExploreArguments& arguments, const Registries& registries,
+            const MissionBase& base, SignalGuard& signals) {
+  const Configuration configuration = configuration_of(arguments, registries, base);
+  if (tell_if_absent(configuration.solver, registries.solvers)) return kNotBuiltIn;
+  refuse_unread(configuration.entries, reader_of(configuration, base));
   Progress progress(arguments.quiet);
   std::shared_ptr<const World> world;
   if (base.knows_world()) {
@@ -319,6 +352,14 @@ int mission(const ExploreArguments& arguments, const Registries& registries,
   options.seed = arguments.seed;
   options.solvers = &registries.solvers;
   options.real_time = base.real_time;
+  options.cancelled = signals.came();
+  if (arguments.check) {
+    options.checks_only = true;
+    progress.show("looking at the robot");
+    const std::vector<CheckResult> checks = run_on(base, configuration, world, options).preflight;
+    progress.finish();
+    return tell_checks(checks, arguments.json);
+  }
 
   const std::string name = world       ? world->name
                            : base.dds  ? "dds"
@@ -379,13 +420,9 @@ int mission(const ExploreArguments& arguments, const Registries& registries,
     }
     return observers;
   };
-  options.cancelled = signals.came();
   // Sensors of a mesh are made from pictures of all of it; others' robots are waited for.
   progress.show("making the robot ready in " + name);
-  ExplorationRunResult result = base.gazebo ? explore_gazebo(configuration, world, options)
-                                : base.dds  ? explore_dds(configuration, *base.dds, options)
-                                : base.user ? explore_user(configuration, *base.user, options)
-                                            : run_exploration(world, configuration, options);
+  ExplorationRunResult result = run_on(base, configuration, world, options);
   if (world) {
     result.record.summary.read_without = world->left_out.text();
     result.record.summary.floor_share = world->floor_share;
@@ -451,6 +488,12 @@ void add_until(CLI::App* command, ConfigurationArguments& arguments) {
 }
 
 }  // namespace
+
+void add_check_option(CLI::App* command, ExploreArguments& arguments) {
+  command->add_flag("--check", arguments.check,
+                    "Make the checks before the first motion that need none, say what is seen, and "
+                    "end; exit code 1 if one fails");
+}
 
 void add_fault_option(CLI::App* command, std::vector<std::string>& faults) {
   command

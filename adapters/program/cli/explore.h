@@ -30,6 +30,7 @@ struct ExploreArguments {
   std::optional<int> live;  ///< port of the live view; none: there is none
   std::string live_host = "127.0.0.1", live_token;  ///< LiveOptions
   int save_problems = 0;  ///< write the problem of every so manyeth planning step; 0: none
+  bool check = false;     ///< of a mission in real time: look at the robot, and end
   bool json = false;
   bool quiet = false;
   std::string command_line;  ///< as typed, for the run folder
@@ -52,6 +53,8 @@ struct MissionBase {
 /// arguments outlives the command line.
 void add_mission_options(CLI::App* command, ExploreArguments& arguments);
 void add_world_options(CLI::App* command, ExploreArguments& arguments);
+/// --check, of a mission in real time.
+void add_check_option(CLI::App* command, ExploreArguments& arguments);
 /// --fault, for what may break.
 void add_fault_option(CLI::App* command, std::vector<std::string>& faults);
 /// Throws InputError, one line, for one that cannot be.

@@ -33,6 +33,7 @@ int run(int argc, char** argv, const UserRobot& robot, SignalGuard& signals) {
   bool version = false;
   app.add_flag("--version", version, "The version of Prospect, and exit");
   add_mission_options(&app, arguments);
+  add_check_option(&app, arguments);
   add_fault_option(&app, faults);
   add_plugins(&app, plugins);
   try {
