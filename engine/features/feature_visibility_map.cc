@@ -146,12 +146,12 @@ void FeatureVisibilityMap::update(const Belief& belief, double density, const Lo
     }
   };
   WorkerThreads alone(1);
-  // By portions: in between it may pause.
-  constexpr int kPortion = 4;
-  for (int first = 0; first < static_cast<int>(turns.size()); first += kPortion) {
+  // One for each thread at a time: in between it may pause.
+  WorkerThreads& threads = workers ? *workers : alone;
+  for (int first = 0; first < static_cast<int>(turns.size()); first += threads.size()) {
     pause();
-    const int portion = std::min(kPortion, static_cast<int>(turns.size()) - first);
-    (workers ? *workers : alone).run(portion, [&](int k) { count(first + k); });
+    const int portion = std::min(threads.size(), static_cast<int>(turns.size()) - first);
+    threads.run(portion, [&](int k) { count(first + k); });
   }
 }
 

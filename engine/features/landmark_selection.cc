@@ -71,6 +71,7 @@ std::vector<const Landmark*> those_that_matter(const LandmarkMap& map, const Pos
                                                double reach, const VisibilityParameters& parameters,
                                                const PausePoint& pause) {
   std::vector<const Landmark*> eligible;
+  eligible.reserve(map.landmarks.size());  // else it is moved as it grows, without a pause
   std::size_t seen = 0;
   for (const Landmark& l : map.landmarks) {
     if (++seen % 128 == 0) pause();
@@ -91,7 +92,10 @@ std::vector<const Landmark*> sorted_by_key(std::vector<const Landmark*> landmark
   if (std::is_sorted(landmarks.begin(), landmarks.end(), less)) return landmarks;
   std::vector<std::pair<std::uint64_t, const Landmark*>> by_id;
   by_id.reserve(landmarks.size());
-  for (const Landmark* l : landmarks) by_id.emplace_back(l->id, l);
+  for (const Landmark* l : landmarks) {
+    if (by_id.size() % 128 == 0) pause();
+    by_id.emplace_back(l->id, l);
+  }
   std::sort(by_id.begin(), by_id.end(), [&](const auto& a, const auto& b) {
     if (a.first == b.first) return less(a.second, b.second);
     if (++compared % 128 == 0) pause();

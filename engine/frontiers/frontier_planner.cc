@@ -178,7 +178,8 @@ void FrontierPlanner::measure_paths(const Pose& pose, const std::vector<Frontier
                                     int current, bool all, const Prices& prices) {
   const GridFrame& frame = traversability_.frame();
   const double horizon = options_.order.horizon;
-  path_lengths_.begin_at_robot(traversability_, frame.cell(pose.position.x(), pose.position.y()));
+  path_lengths_.begin_at_robot(traversability_, frame.cell(pose.position.x(), pose.position.y()),
+                               prices.pause);
   double limit = all || options_.rule ? kInfinity : kFirstSearch * horizon;
   while (true) {
     path_lengths_.extend(limit, prices.path, prices.pause);
@@ -308,7 +309,8 @@ int FrontierPlanner::choose(const std::vector<Frontier>& frontiers, std::optiona
     if (!(a.block == b.block)) return scan_less(a.block, b.block);
     return a.candidate != b.candidate ? a.candidate < b.candidate : a.cost < b.cost;
   });
-  const auto same = [](const Viewpoint& a, const Viewpoint& b) {
+  const auto same = [&](const Viewpoint& a, const Viewpoint& b) {
+    if (++visited % 1024 == 0) prices.pause();
     return a.block == b.block && a.candidate == b.candidate;
   };
   viewpoints.erase(std::unique(viewpoints.begin(), viewpoints.end(), same), viewpoints.end());
@@ -321,7 +323,6 @@ int FrontierPlanner::choose(const std::vector<Frontier>& frontiers, std::optiona
     }
   }
   if (n > 1) {
-    PathLengths from = path_lengths_;
     for (Eigen::Index a = 0; a < n; ++a) {
       const int frontier = candidates[static_cast<std::size_t>(a)].frontier;
       between(a, a) = 0.0;
@@ -336,8 +337,8 @@ int FrontierPlanner::choose(const std::vector<Frontier>& frontiers, std::optiona
         }
         return between.row(a).maxCoeff() <= length;
       };
-      from.flood(path_to_[static_cast<std::size_t>(frontier)].viewpoint,
-                 kFarthestBetween * options_.order.horizon, all_found, prices.pause);
+      path_lengths_.flood(between_, path_to_[static_cast<std::size_t>(frontier)].viewpoint,
+                          kFarthestBetween * options_.order.horizon, all_found, prices.pause);
     }
   }
   const FrontierSequence best = best_sequence(candidates, between, options_.order);

@@ -210,7 +210,8 @@ class FrontierPlanner {
   FrontierDetector detector_;
   FrontierUtility utility_;
   CostToGoField field_;
-  PathLengths path_lengths_;  // from the robot, when the target was last chosen
+  PathLengths path_lengths_;     // from the robot, when the target was last chosen
+  PathLengths::Search between_;  // from a frontier to others
   ProgressMonitor progress_;
   ExhaustionMonitor exhaustion_;
   Grid<float> along_travel_;           // features seen in the direction of travel, near the robot

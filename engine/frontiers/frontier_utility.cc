@@ -172,7 +172,8 @@ int FrontierUtility::count(const Traversability& traversability, const Frontier&
   }
   const int j0 = frontier.cells.front().j, j1 = frontier.cells.back().j;  // in scan order
   visited_.frame = {r, i0 - steps, j0 - steps, i1 - i0 + 1 + 2 * steps, j1 - j0 + 1 + 2 * steps};
-  visited_.data.assign(static_cast<std::size_t>(visited_.frame.size()), 0);
+  assign_in_pieces(visited_.data, static_cast<std::size_t>(visited_.frame.size()), std::uint8_t{0},
+                   pause);
   queue_.clear();
 
   const auto visit = [&](Cell c) {

@@ -127,7 +127,10 @@ void FrontierDetector::find_cells(const Traversability& traversability, const Pa
     pause_now_and_then();
     moved_[tile_of(c)].add(c);
   }
-  for (const Cell c : traversability.changed_sights()) moved_[tile_of(c)].add(c);
+  for (const Cell c : traversability.changed_sights()) {
+    pause_now_and_then();
+    moved_[tile_of(c)].add(c);
+  }
   for (const Cell c : traversability.changed_factors()) {
     pause_now_and_then();
     const std::uint8_t passable = traversability.passable(c);
@@ -135,7 +138,10 @@ void FrontierDetector::find_cells(const Traversability& traversability, const Pa
     passable_[c] = passable;
     moved_[tile_of(c)].add(c);
   }
-  for (const Cell c : traversability.changed_headings()) moved_[tile_of(c)].add(c);
+  for (const Cell c : traversability.changed_headings()) {
+    pause_now_and_then();
+    moved_[tile_of(c)].add(c);
+  }
   // A tile's frontier cells depend on its own cells and on the 4-neighbours of those.
   std::vector<std::uint8_t> again(tile_cells_.size(), 0);
   for (const Cell c : traversability.changed_states()) {
@@ -168,7 +174,9 @@ void FrontierDetector::find_cells(const Traversability& traversability, const Pa
 
 void FrontierDetector::cluster(const PausePoint& pause) {
   const double r = label_.frame.resolution;
+  std::size_t taken = 0;
   for (const auto& cells : tile_cells_) {
+    if (++taken % 256 == 0) pause();
     for (const Cell c : cells) label_[c] = -2;
   }
   frontiers_.clear();
@@ -181,6 +189,7 @@ void FrontierDetector::cluster(const PausePoint& pause) {
       label_[seed] = index;
       stack_.assign(1, seed);
       while (!stack_.empty()) {
+        if (++taken % 256 == 0) pause();
         const Cell c = stack_.back();
         stack_.pop_back();
         frontier.cells.push_back(c);
@@ -193,7 +202,10 @@ void FrontierDetector::cluster(const PausePoint& pause) {
           }
         }
       }
-      std::sort(frontier.cells.begin(), frontier.cells.end(), scan_less);
+      std::sort(frontier.cells.begin(), frontier.cells.end(), [&](Cell a, Cell b) {
+        if (++taken % 1024 == 0) pause();
+        return scan_less(a, b);
+      });
       for (const Cell c : frontier.cells) frontier.centroid += label_.frame.center(c);
       const auto n = static_cast<double>(frontier.cells.size());
       frontier.centroid /= n;

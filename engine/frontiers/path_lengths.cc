@@ -62,28 +62,45 @@ void PathLengths::update(const Traversability& traversability, const PausePoint&
       if (block_of({c.i, c.j - 1}).j != block.j) refresh({block.i, block.j - 1}, fine);
     }
   }
-  length_.clear();
+  begun_ = false;
 }
 
-void PathLengths::begin(Cell start) {
-  length_.assign(factor_.data.size(), kInfinity);
-  unpriced_.assign(factor_.data.size(), kInfinity);
-  setting_out_.assign(factor_.data.size(), -1);
-  start_ = block_of(start);
-  queue_ = {};
+// Only what the search before has reached is to be taken back.
+void PathLengths::begin(Search& search, Cell start, const PausePoint& pause) const {
+  const std::size_t blocks = factor_.data.size();
+  search.start = block_of(start);
+  search.queue = {};
+  if (search.setting_out.size() != blocks) {
+    search.reached.clear();
+    assign_in_pieces(search.length, blocks, kInfinity, pause);
+    assign_in_pieces(search.unpriced, blocks, kInfinity, pause);
+    assign_in_pieces(search.setting_out, blocks, -1, pause);
+    return;
+  }
+  for (std::size_t n = 0; n < search.reached.size(); ++n) {
+    if (n % 1024 == 0) pause();
+    const auto at = static_cast<std::size_t>(search.reached[n]);
+    search.length[at] = search.unpriced[at] = kInfinity;
+    search.setting_out[at] = -1;
+  }
+  search.reached.clear();
 }
 
-void PathLengths::reach(int block, double length, double unpriced, int setting_out) {
+void PathLengths::reach(Search& search, int block, double length, double unpriced,
+                        int setting_out) {
   const auto at = static_cast<std::size_t>(block);
-  if (length >= length_[at]) return;
-  length_[at] = length;
-  unpriced_[at] = unpriced;
-  setting_out_[at] = setting_out;
-  queue_.emplace(length, block);
+  if (length >= search.length[at]) return;
+  if (search.length[at] == kInfinity) search.reached.push_back(block);
+  search.length[at] = length;
+  search.unpriced[at] = unpriced;
+  search.setting_out[at] = setting_out;
+  search.queue.emplace(length, block);
 }
 
-void PathLengths::begin_at_robot(const Traversability& traversability, Cell robot) {
-  begin(robot);
+void PathLengths::begin_at_robot(const Traversability& traversability, Cell robot,
+                                 const PausePoint& pause) {
+  begin(search_, robot, pause);
+  begun_ = true;
   const GridFrame& cells = traversability.frame();
   const int near = static_cast<int>(std::ceil(kNear / cells.resolution));
   for (int dj = -near; dj <= near; ++dj) {
@@ -96,33 +113,33 @@ void PathLengths::begin_at_robot(const Traversability& traversability, Cell robo
       });
       if (!open) continue;
       const int block = factor_.frame.index(block_of(c));
-      reach(block, kOffThePath * distance, distance, block);
+      reach(search_, block, kOffThePath * distance, distance, block);
     }
   }
 }
 
 void PathLengths::extend(double limit, const PathPrice& price, const PausePoint& pause) {
   spread(
-      limit, price, [](Cell, double) { return false; }, pause);
+      search_, limit, price, [](Cell, double) { return false; }, pause);
 }
 
 double PathLengths::at(const std::vector<double>& values, Cell c) const {
   const Cell block = block_of(c);
-  if (length_.empty() || !factor_.frame.contains(block)) return kInfinity;
+  if (!begun_ || !factor_.frame.contains(block)) return kInfinity;
   return values[static_cast<std::size_t>(factor_.frame.index(block))];
 }
 
-double PathLengths::length(Cell c) const { return at(length_, c); }
+double PathLengths::length(Cell c) const { return at(search_.length, c); }
 
-double PathLengths::unpriced(Cell c) const { return at(unpriced_, c); }
+double PathLengths::unpriced(Cell c) const { return at(search_.unpriced, c); }
 
 double PathLengths::departure(Cell c) const {
   const Cell block = block_of(c);
-  if (length_.empty() || !factor_.frame.contains(block)) return 0.0;
-  const int out = setting_out_[static_cast<std::size_t>(factor_.frame.index(block))];
+  if (!begun_ || !factor_.frame.contains(block)) return 0.0;
+  const int out = search_.setting_out[static_cast<std::size_t>(factor_.frame.index(block))];
   if (out < 0) return 0.0;
   const Eigen::Vector2d d =
-      factor_.frame.center(factor_.frame.at(out)) - factor_.frame.center(start_);
+      factor_.frame.center(factor_.frame.at(out)) - factor_.frame.center(search_.start);
   return std::atan2(d.y(), d.x());
 }
 

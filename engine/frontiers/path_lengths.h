@@ -34,6 +34,17 @@ class PathLengths {
   static constexpr int kSide = 3;
   static constexpr double kSettingOut = 1.0;  // [m] that tell the direction of a path
 
+  /// What a search has found, and the memory that the next one works in.
+  class Search {
+    friend class PathLengths;
+    std::vector<double> length, unpriced;  // by block
+    std::vector<int> setting_out;          // block about 1 m from the start, on the path
+    std::vector<int> reached;              // blocks with a length
+    Cell start;                            // block
+    using Entry = std::pair<double, int>;  // length, block
+    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+  };
+
   /// Takes over what is passable, after each traversability.update().
   void update(const Traversability& traversability, const PausePoint& pause = {});
 
@@ -41,13 +52,21 @@ class PathLengths {
   /// enough(block, length) is true, asked of each block when its length is known; nowhere, if that
   /// block is not passable.
   template <typename Enough>
-  void flood(Cell from, double limit, const Enough& enough, const PausePoint& pause = {});
+  void flood(Cell from, double limit, const Enough& enough, const PausePoint& pause = {}) {
+    flood(search_, from, limit, enough, pause);
+    begun_ = true;
+  }
+  /// The same beside the lengths that are kept here: they stay. A search is of one object.
+  template <typename Enough>
+  void flood(Search& search, Cell from, double limit, const Enough& enough,
+             const PausePoint& pause = {}) const;
   void flood(Cell from, double limit = std::numeric_limits<double>::infinity()) {
     flood(from, limit, [](Cell, double) { return false; });
   }
   /// From a robot at that cell, nowhere yet: begins at all passable cells within 1 m that a line
   /// without occupied cells joins to it, as CostToGoField does, at ten times the distance to them.
-  void begin_at_robot(const Traversability& traversability, Cell robot);
+  void begin_at_robot(const Traversability& traversability, Cell robot,
+                      const PausePoint& pause = {});
   /// Goes on as far as `limit`. price: a metre costs 1 + price times as much; null: no more.
   void extend(double limit, const PathPrice& price = nullptr, const PausePoint& pause = {});
 
@@ -65,34 +84,32 @@ class PathLengths {
 
  private:
   double at(const std::vector<double>& values, Cell c) const;
-  void begin(Cell start);
-  void reach(int block, double length, double unpriced, int setting_out);
+  void begin(Search& search, Cell start, const PausePoint& pause) const;
+  static void reach(Search& search, int block, double length, double unpriced, int setting_out);
   void refresh(Cell block, const Grid<float>& fine);
   template <typename Enough>
-  void spread(double limit, const PathPrice& price, const Enough& enough, const PausePoint& pause);
+  void spread(Search& search, double limit, const PathPrice& price, const Enough& enough,
+              const PausePoint& pause) const;
 
-  Grid<float> factor_;          // 0: impassable
-  Grid<std::uint8_t> joined_;   // bit 1: to the right neighbour, bit 2: to the upper one
-  std::vector<double> length_;  // by block
-  std::vector<double> unpriced_;
-  std::vector<int> setting_out_;         // block about 1 m from the start, on the path
-  Cell start_;                           // block
-  using Entry = std::pair<double, int>;  // length, block
-  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue_;
+  Grid<float> factor_;         // 0: impassable
+  Grid<std::uint8_t> joined_;  // bit 1: to the right neighbour, bit 2: to the upper one
+  Search search_;
+  bool begun_ = false;  // since the last update
 };
 
 template <typename Enough>
-void PathLengths::flood(Cell from, double limit, const Enough& enough, const PausePoint& pause) {
-  begin(from);
-  if (factor_.get(start_, 0.0F) == 0.0F) return;
-  const int first = factor_.frame.index(start_);
-  reach(first, 0.0, 0.0, first);
-  spread(limit, nullptr, enough, pause);
+void PathLengths::flood(Search& search, Cell from, double limit, const Enough& enough,
+                        const PausePoint& pause) const {
+  begin(search, from, pause);
+  if (factor_.get(search.start, 0.0F) == 0.0F) return;
+  const int first = factor_.frame.index(search.start);
+  reach(search, first, 0.0, 0.0, first);
+  spread(search, limit, nullptr, enough, pause);
 }
 
 template <typename Enough>
-void PathLengths::spread(double limit, const PathPrice& price, const Enough& enough,
-                         const PausePoint& pause) {
+void PathLengths::spread(Search& search, double limit, const PathPrice& price, const Enough& enough,
+                         const PausePoint& pause) const {
   const GridFrame& f = factor_.frame;
   const int up = f.width;
   const auto joined = [&](int a, int bit) {
@@ -105,18 +122,18 @@ void PathLengths::spread(double limit, const PathPrice& price, const Enough& eno
     return dj > 0 ? joined(a, 2) : joined(a - up, 2);
   };
   std::size_t blocks = 0;
-  while (!queue_.empty()) {
+  while (!search.queue.empty()) {
     if (++blocks % 64 == 0) pause();
-    const auto [length, index] = queue_.top();
+    const auto [length, index] = search.queue.top();
     if (length > limit) break;
-    queue_.pop();
+    search.queue.pop();
     const auto here = static_cast<std::size_t>(index);
-    if (length > length_[here]) continue;
+    if (length > search.length[here]) continue;
     const double factor = static_cast<double>(factor_.data[here]);
     const Cell at = f.at(index);
     if (enough(at, length)) break;
     const Cell middle{at.i * kSide + kSide / 2, at.j * kSide + kSide / 2};
-    const bool out = (f.center(at) - f.center(start_)).norm() >= kSettingOut;
+    const bool out = (f.center(at) - f.center(search.start)).norm() >= kSettingOut;
     for (int dj = -1; dj <= 1; ++dj) {
       for (int di = -1; di <= 1; ++di) {
         if (di == 0 && dj == 0) continue;
@@ -132,9 +149,10 @@ void PathLengths::spread(double limit, const PathPrice& price, const Enough& eno
         }
         const double step = 0.5 * f.resolution * (diagonal ? std::numbers::sqrt2 : 1.0) *
                             (factor + static_cast<double>(factor_.data[next]));
-        if (length + step >= length_[next]) continue;
+        if (length + step >= search.length[next]) continue;
         const double priced = price ? step * (1.0 + price(middle, std::atan2(dj, di))) : step;
-        reach(n, length + priced, unpriced_[here] + step, out ? setting_out_[here] : n);
+        reach(search, n, length + priced, search.unpriced[here] + step,
+              out ? search.setting_out[here] : n);
       }
     }
   }

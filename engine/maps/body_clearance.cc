@@ -25,6 +25,20 @@ BodyClearance::BodyClearance(std::shared_ptr<const ClearanceField> field, const 
       bodies_.push_back({{disc.center.x(), disc.center.y(), 0.0}, disc.radius});
     }
   }
+  fit();
+}
+
+BodyClearance::BodyClearance(std::shared_ptr<const ClearanceField> field, const BodyClearance& body)
+    : field_(std::move(field)), bodies_(body.bodies_), temperature_(body.temperature_) {
+  if (field_ == nullptr) throw std::invalid_argument("body clearance: no clearance field");
+  if (field_->options().vertical != body.field_->options().vertical) {
+    throw std::invalid_argument(
+        "body clearance: one field is planar and one is not; expected two of a kind");
+  }
+  fit();
+}
+
+void BodyClearance::fit() {
   for (const Sphere& s : bodies_) largest_radius_ = std::max(largest_radius_, s.radius);
   saturation_ = field_->options().cutoff - field_->options().margin - largest_radius_;
   if (!(saturation_ > 0.0)) {

@@ -27,6 +27,9 @@ class BodyClearance {
   /// not exceed the largest bounding radius.
   BodyClearance(std::shared_ptr<const ClearanceField> field, const RobotShape& shape,
                 double temperature = 0.01);
+  /// The same body in another field, without bounding it anew, which takes milliseconds. Throws
+  /// std::invalid_argument for a field that is planar where the other is not, and as above.
+  BodyClearance(std::shared_ptr<const ClearanceField> field, const BodyClearance& body);
 
   /// d [m]; unless null, `gradient` gets dd/d(x, y, z, yaw) ([-], [-], [-], [m/rad]).
   double clearance(const Pose& pose, Eigen::Vector4d* gradient = nullptr) const;
@@ -38,6 +41,8 @@ class BodyClearance {
   const std::vector<Sphere>& bodies() const { return bodies_; }
 
  private:
+  void fit();
+
   std::shared_ptr<const ClearanceField> field_;
   std::vector<Sphere> bodies_;
   double temperature_ = 0.01;

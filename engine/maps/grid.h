@@ -96,6 +96,19 @@ inline GridFrame frame_around(Cell middle, double distance, double resolution) {
   return {resolution, middle.i - reach, middle.j - reach, 2 * reach + 1, 2 * reach + 1};
 }
 
+/// data.assign(size, value) in pieces: the memory of a large one takes long to be had.
+template <typename T>
+void assign_in_pieces(std::vector<T>& data, std::size_t size, const T& value,
+                      const PausePoint& pause) {
+  constexpr std::size_t kPiece = 65536;
+  data.clear();
+  data.reserve(size);
+  while (data.size() < size) {
+    data.resize(std::min(size, data.size() + kPiece), value);
+    pause();
+  }
+}
+
 /// Values on a rectangle of ground cells.
 template <typename T>
 struct Grid {
@@ -105,15 +118,8 @@ struct Grid {
   Grid() = default;
   Grid(const GridFrame& f, const T& value)
       : frame(f), data(static_cast<std::size_t>(f.size()), value) {}
-  /// The same in pieces: the memory of a large one takes long to be had.
   Grid(const GridFrame& f, const T& value, const PausePoint& pause) : frame(f) {
-    constexpr std::size_t kPiece = 65536;
-    const auto size = static_cast<std::size_t>(f.size());
-    data.reserve(size);
-    while (data.size() < size) {
-      data.resize(std::min(size, data.size() + kPiece), value);
-      pause();
-    }
+    assign_in_pieces(data, static_cast<std::size_t>(f.size()), value, pause);
   }
   T& operator[](Cell c) { return data[static_cast<std::size_t>(frame.index(c))]; }
   const T& operator[](Cell c) const { return data[static_cast<std::size_t>(frame.index(c))]; }

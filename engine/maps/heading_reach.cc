@@ -91,10 +91,11 @@ void HeadingReach::enter(const Grid<HeadingMask>& fits, std::size_t cell, Headin
 // From what is open, to where nothing is added any more. Where the body can turn all round headings
 // make no difference: such cells, by far the most, are taken by whole runs of a row.
 void HeadingReach::flood(const Grid<HeadingMask>& fits, const Steps& steps,
-                         Grid<HeadingMask>& reached) {
+                         Grid<HeadingMask>& reached, const PausePoint& pause) {
   const int width = fits.frame.width, height = fits.frame.height;
-  std::size_t next = 0;
+  std::size_t next = 0, taken = 0;
   while (!open_.empty() || next < waiting_.size()) {
+    if (++taken % 16 == 0) pause();
     // The others in order, so that most come once, with all headings that they are reached at.
     const int cell = open_.empty() ? waiting_[next++] : open_.back();
     if (!open_.empty()) open_.pop_back();
@@ -134,12 +135,15 @@ void HeadingReach::flood(const Grid<HeadingMask>& fits, const Steps& steps,
 }
 
 void HeadingReach::update(const Grid<HeadingMask>& fits, const Eigen::Vector2d& position,
-                          double yaw, bool free_moves, const std::function<bool(Cell)>& solid) {
+                          double yaw, bool free_moves, const std::function<bool(Cell)>& solid,
+                          const PausePoint& pause) {
   const GridFrame& frame = fits.frame;
   const auto size = static_cast<std::size_t>(frame.size());
   reached_.frame = frame;
-  reached_.data.assign(size, kNoHeading);
-  is_open_.assign(size, 0);
+  assign_in_pieces(reached_.data, size, kNoHeading, pause);
+  assign_in_pieces(is_open_, size, std::uint8_t{0}, pause);
+  open_.clear();
+  waiting_.clear();
   const auto start = find_start(fits, position, yaw, solid);
   started_ = start.has_value();
   if (!started_) return;
@@ -151,14 +155,15 @@ void HeadingReach::update(const Grid<HeadingMask>& fits, const Eigen::Vector2d& 
   if (!free_moves) {
     for (int n = 0; n < 4; ++n) steps[static_cast<std::size_t>(n)] = headings_ahead(n);
   }
-  flood(fits, steps, reached_);
+  flood(fits, steps, reached_, pause);
   if (free_moves) return;
 
   // The same backwards, from where the body can turn: all those cells have been entered already.
   const Steps back{steps[2], steps[3], steps[0], steps[1]};
   turning_.frame = frame;
-  turning_.data.assign(size, kNoHeading);
+  assign_in_pieces(turning_.data, size, kNoHeading, pause);
   for (std::size_t c = 0; c < size; ++c) {
+    if (c % 4096 == 0) pause();
     if (reached_.data[c] == kAllHeadings) turning_.data[c] = kAllHeadings;
   }
   const auto turns_at = [&](int i, int j) {
@@ -166,6 +171,7 @@ void HeadingReach::update(const Grid<HeadingMask>& fits, const Eigen::Vector2d& 
            turning_.data[static_cast<std::size_t>(j * frame.width + i)] == kAllHeadings;
   };
   for (int j = 0; j < frame.height; ++j) {
+    pause();
     for (int i = 0; i < frame.width; ++i) {
       const auto c = static_cast<std::size_t>(j * frame.width + i);
       if (reached_.data[c] == kNoHeading || reached_.data[c] == kAllHeadings) continue;
@@ -178,7 +184,7 @@ void HeadingReach::update(const Grid<HeadingMask>& fits, const Eigen::Vector2d& 
     }
   }
   // What leads there from a state that was reached was reached, too.
-  flood(reached_, back, turning_);
+  flood(reached_, back, turning_, pause);
   if ((turning_.data[static_cast<std::size_t>(first)] & heading) == kNoHeading) return;
   std::swap(reached_, turning_);
 }

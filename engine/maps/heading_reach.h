@@ -40,7 +40,8 @@ class HeadingReach {
   /// which solid() is true but the body's own; without one nothing is reached. free_moves: the base
   /// can reverse or move sideways.
   void update(const Grid<HeadingMask>& fits, const Eigen::Vector2d& position, double yaw,
-              bool free_moves, const std::function<bool(Cell)>& solid);
+              bool free_moves, const std::function<bool(Cell)>& solid,
+              const PausePoint& pause = {});
 
   /// Whether the last update found a state to start from.
   bool started() const { return started_; }
@@ -56,7 +57,8 @@ class HeadingReach {
   void begin(int cell, bool all);
   void enter(const Grid<HeadingMask>& fits, std::size_t cell, HeadingMask with,
              Grid<HeadingMask>& reached);
-  void flood(const Grid<HeadingMask>& fits, const Steps& steps, Grid<HeadingMask>& reached);
+  void flood(const Grid<HeadingMask>& fits, const Steps& steps, Grid<HeadingMask>& reached,
+             const PausePoint& pause);
 
   Grid<HeadingMask> reached_;
   Grid<HeadingMask> turning_;  // states from which the body gets to where it can turn all round

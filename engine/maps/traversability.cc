@@ -93,7 +93,8 @@ void Traversability::restart(const GridFrame& frame, const PausePoint& pause) {
       const double off = std::abs(std::remainder(heading_at(k), 2.0 * M_PI));
       if (off <= options_.facing) facing_east_ |= HeadingMask{1} << k;
     }
-    headings_ = usable_ = Grid<HeadingMask>(frame, kNoHeading);
+    headings_ = Grid<HeadingMask>(frame, kNoHeading, pause);
+    usable_ = Grid<HeadingMask>(frame, kNoHeading, pause);
     confined_ = false;
   }
   forbidden_sq_ = {};
@@ -113,8 +114,8 @@ void Traversability::widen(const GridFrame& frame, const PausePoint& pause) {
   unknown_sq_.widen(frame, 0, pause);
   factor_.widen(frame, 0.0F, pause);
   if (fit_ != nullptr) {
-    headings_.widen(frame, kNoHeading);
-    usable_.widen(frame, kNoHeading);
+    headings_.widen(frame, kNoHeading, pause);
+    usable_.widen(frame, kNoHeading, pause);
   }
   lay_zones(pause);
   // The cells beyond the old rim are unknown, hence at distance 0 of unknown and impassable, but
@@ -141,7 +142,9 @@ void Traversability::transform(Rectangle cells, bool unknown, const PausePoint& 
   const int width = cells.i1 - cells.i0 + 1;
   const int row0 = cells.j0 - reach_, row1 = cells.j1 + reach_;
   const std::int32_t far = limit_sq_;
-  scratch_.assign(static_cast<std::size_t>(width) * static_cast<std::size_t>(row1 - row0 + 1), far);
+  assign_in_pieces(scratch_,
+                   static_cast<std::size_t>(width) * static_cast<std::size_t>(row1 - row0 + 1), far,
+                   pause);
   for (int j = row0; j <= row1; ++j) {
     pause();
     std::int32_t* row = scratch_.data() + static_cast<std::ptrdiff_t>(j - row0) * width;
@@ -239,10 +242,10 @@ void Traversability::refresh_headings(const Rectangle& cells, const PausePoint& 
 
 // Without a state to start from the body is where the map says that it does not fit: then all
 // places where it fits count. Whether it may leave is for the certificate to say.
-void Traversability::refresh_reach(const Pose& pose) {
+void Traversability::refresh_reach(const Pose& pose, const PausePoint& pause) {
   reach_of_body_.update(
       headings_, pose.position.head<2>(), pose.yaw, options_.free_moves,
-      [&](Cell c) { return state_.get(c, CellState::kUnknown) == CellState::kOccupied; });
+      [&](Cell c) { return state_.get(c, CellState::kUnknown) == CellState::kOccupied; }, pause);
   confined_ = reach_of_body_.started();
 }
 
@@ -288,11 +291,11 @@ void Traversability::lay_zones(const PausePoint& pause) {
   const GridFrame& f = state_.frame;
   const GridFrame old = slowness_.frame;
   if (old.width == 0) {
-    forbidden_sq_ = Grid<std::int32_t>(f, limit_sq_);
-    slowness_ = Grid<float>(f, 1.0F);
+    forbidden_sq_ = Grid<std::int32_t>(f, limit_sq_, pause);
+    slowness_ = Grid<float>(f, 1.0F, pause);
   } else {
-    forbidden_sq_.widen(f, limit_sq_);
-    slowness_.widen(f, 1.0F);
+    forbidden_sq_.widen(f, limit_sq_, pause);
+    slowness_.widen(f, 1.0F, pause);
   }
   for (int n = 0; n < f.size(); ++n) {
     if (n % 256 == 0) pause();
@@ -432,6 +435,11 @@ void Traversability::update(const GroundMap& ground, const Pose* pose, const Pau
   // unknown.
   std::vector<Rectangle> occupied, unknown;
   const GridFrame& f = state_.frame;
+  for (std::vector<Cell>* list :
+       {&changed_states_, &newly_known_, &changed_sights_, &changed_factors_, &changed_headings_}) {
+    // Long ones would be moved as they grow, without a pause.
+    list->reserve(static_cast<std::size_t>(f.size()));
+  }
   for (int j0 = f.j0; j0 < f.j0 + f.height; j0 += GroundMap::kTile) {
     pause();
     for (int i0 = f.i0; i0 < f.i0 + f.width; i0 += GroundMap::kTile) {
@@ -470,12 +478,16 @@ void Traversability::update(const GroundMap& ground, const Pose* pose, const Pau
     for (const Rectangle& cells : occupied) refresh_headings(cells, pause);
     for (const Rectangle& cells : unknown) refresh_headings(cells, pause);
     confined_ = false;
-    if (pose != nullptr) refresh_reach(*pose);
+    if (pose != nullptr) refresh_reach(*pose, pause);
     refresh_usable(pause);
   }
   for (const Rectangle& cells : occupied) refresh_factors(cells, pause);
   for (const Rectangle& cells : unknown) refresh_factors(cells, pause);
-  for (const Cell c : changed_headings_) refresh_factors({c.i, c.j, c.i, c.j});
+  for (std::size_t n = 0; n < changed_headings_.size(); ++n) {
+    if (n % 256 == 0) pause();
+    const Cell c = changed_headings_[n];
+    refresh_factors({c.i, c.j, c.i, c.j});
+  }
   if (options_.unknown_travel > 0.0 && reframed) {
     refresh_factors({f.i0, f.j0, f.i0 + f.width - 1, f.j0 + f.height - 1}, pause);
   }

@@ -176,7 +176,7 @@ class Traversability {
   void refresh_usable(const PausePoint& pause);
   HeadingMask fitting(Cell c) const;
   void refresh_headings(const Rectangle& cells, const PausePoint& pause = {});
-  void refresh_reach(const Pose& pose);
+  void refresh_reach(const Pose& pose, const PausePoint& pause);
   void lay_zones(const PausePoint& pause);
   Rectangle within(Rectangle cells, int margin) const;
 

@@ -217,6 +217,8 @@ class StepTime {
   Clock::time_point global_plan(bool has_earlier) const {
     return at(has_earlier ? std::max(0.2, left()) : kAlone);
   }
+  /// The same of the way back, from now on.
+  Clock::time_point retreat() const { return from_now(std::max(kLeast, 0.1 * seconds_)); }
   /// The same of distances to obstacles, from now on.
   Clock::time_point clearance(bool has_earlier) const {
     return std::max(at(has_earlier ? 0.3 : kAlone),
@@ -319,13 +321,12 @@ struct Planner::Impl {
   Reserve problem_reserve{0.5 * parameters.deadline};
   StopCondition cancelled;  // of each step
   FrontierActivity activity;
-  bool attended = true;                     // frontiers have been looked at with it
-  std::string refused;                      // newest Plan::refused
-  bool prepared = false;                    // the whole map of the next step is made
-  std::optional<double> prepares;           // stamp of the belief of prepare() since the last step
-  bool of_frontiers = false;                // what map_work has begun last
-  bool told = true;                         // a step has told what changed in the newest whole map
-  std::shared_ptr<const CostToGo> retreat;  // of the last step that had one
+  bool attended = true;            // frontiers have been looked at with it
+  std::string refused;             // newest Plan::refused
+  bool prepared = false;           // the whole map of the next step is made
+  std::optional<double> prepares;  // stamp of the belief of prepare() since the last step
+  bool of_frontiers = false;       // what map_work has begun last
+  bool told = true;                // a step has told what changed in the newest whole map
 
   // Of the last step: whole, or nothing.
   std::shared_ptr<const PlanningStep> step = std::make_shared<const PlanningStep>();
@@ -361,7 +362,9 @@ struct Planner::Impl {
   void take_whole_map(const Belief& belief, bool fresh, Facts& facts, Plan& plan,
                       StepInTheMaking& making);
   void specify(const Belief& belief, ModeKind mode, const StepLandmarks& landmarks,
-               StepInTheMaking& making);
+               const StepTime& time, StepInTheMaking& making);
+  /// RetreatTrail::cost_to_go(), as of this step or an earlier one; null: there is none.
+  std::shared_ptr<const CostToGo> way_back(const Belief& belief, const StepTime& time);
   /// update_clearance(), as of this step or an earlier one; false: there is none yet.
   bool take_clearance(const Belief& belief, const StepTime& time, StepInTheMaking& making);
   /// Seeds of the problem, best first; without the added terms that fail at one.
@@ -386,6 +389,7 @@ struct Planner::Impl {
   Resumed<std::shared_ptr<const StepLandmarks>> landmark_work;
   Resumed<WholeMap> map_work;
   Resumed<ClearanceEvaluators> clearance_work;
+  Resumed<std::shared_ptr<const CostToGo>> retreat_work;
 };
 
 void Planner::Impl::prepare(const Belief& given) {
@@ -407,11 +411,12 @@ bool Planner::Impl::go_on(double seconds) {
                                    std::chrono::duration<double>(std::clamp(seconds, 0.0, 1e6)));
   landmark_work.go_on(until);
   clearance_work.go_on(until);
+  retreat_work.go_on(until);
   if (map_work.busy()) {
     const bool made = go_on_with_whole_map([&] { return map_work.go_on(until); });
     prepared = made && prepares && map_work.stamp() == *prepares;
   }
-  return landmark_work.busy() || clearance_work.busy() || map_work.busy();
+  return landmark_work.busy() || clearance_work.busy() || retreat_work.busy() || map_work.busy();
 }
 
 std::shared_ptr<const StepLandmarks> Planner::Impl::landmarks(const Belief& belief,
@@ -499,7 +504,7 @@ Plan Planner::Impl::plan(const Belief& given, const StopCondition& asked) {
 
   // Problem.
   ProcessorStopwatch work;  // of this thread: what the rest takes where nothing else keeps it busy
-  specify(belief, mode, *seen, making);
+  specify(belief, mode, *seen, time, making);
   ProblemSpecification& specification = *making.specification;
   plan.times.views = watch.lap();
   if (!take_clearance(belief, time, making)) return unfinished("the distances to obstacles");
@@ -626,14 +631,29 @@ void Planner::Impl::take_whole_map(const Belief& belief, bool fresh, Facts& fact
   }
 }
 
-void Planner::Impl::specify(const Belief& belief, ModeKind mode, const StepLandmarks& seen,
-                            StepInTheMaking& making) {
-  if (policy(mode).cost_to_go != ModePolicy::CostToGo::kRetreat) {
-    retreat = nullptr;
-  } else if (!map_work.busy()) {  // else it stays that of the last step
-    retreat = monitors.trail().cost_to_go(global_planner.traversability(),
-                                          belief.pose.position.head<2>(), robot.model->max_speed());
+std::shared_ptr<const CostToGo> Planner::Impl::way_back(const Belief& belief,
+                                                        const StepTime& time) {
+  if (map_work.busy()) {  // it works on what is passable
+    retreat_work.go_on(time.retreat());
+  } else {
+    const Eigen::Vector2d here = belief.pose.position.head<2>();
+    retreat_work.update(
+        belief.stamp,
+        [trail = monitors.trail(), here, v_max = robot.model->max_speed(),
+         factors = RetreatTrail::factors_around(here, global_planner.traversability())](
+            const PausePoint& pause) {
+          return trail.cost_to_go(factors, here, v_max, RetreatTrail::kAway, pause);
+        },
+        time.retreat());
   }
+  return retreat_work.newest().value_or(nullptr);
+}
+
+void Planner::Impl::specify(const Belief& belief, ModeKind mode, const StepLandmarks& seen,
+                            const StepTime& time, StepInTheMaking& making) {
+  const bool retreats = policy(mode).cost_to_go == ModePolicy::CostToGo::kRetreat;
+  if (!retreats) retreat_work.forget();
+  const std::shared_ptr<const CostToGo> retreat = retreats ? way_back(belief, time) : nullptr;
   StepSpecification made =
       specify_problem({robot, parameters, belief, *making.global_plan, global_planner.frontiers(),
                        zones, mode, retreat, safety_level, drift, seen});

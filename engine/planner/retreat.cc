@@ -18,11 +18,28 @@ void RetreatTrail::note(const Eigen::Vector2d& position, int tracked, double spa
 std::shared_ptr<const CostToGo> RetreatTrail::cost_to_go(const Traversability& traversability,
                                                          const Eigen::Vector2d& robot, double v_max,
                                                          double away, double reach) const {
-  const double r = traversability.frame().resolution;
+  if (!robot.allFinite()) return nullptr;
+  return cost_to_go(factors_around(robot, traversability, reach), robot, v_max, away);
+}
+
+Grid<float> RetreatTrail::factors_around(const Eigen::Vector2d& robot,
+                                         const Traversability& traversability, double reach) {
+  const GridFrame& whole = traversability.frame();
+  Grid<float> factors(frame_around(whole.cell(robot.x(), robot.y()), reach, whole.resolution),
+                      0.0F);
+  for (int n = 0; n < factors.frame.size(); ++n) {
+    factors.data[static_cast<std::size_t>(n)] = traversability.factor(factors.frame.at(n));
+  }
+  return factors;
+}
+
+std::shared_ptr<const CostToGo> RetreatTrail::cost_to_go(const Grid<float>& factors,
+                                                         const Eigen::Vector2d& robot, double v_max,
+                                                         double away,
+                                                         const PausePoint& pause) const {
   if (!robot.allFinite() || places_.empty()) return nullptr;
-  const int half = static_cast<int>(std::ceil(reach / r));
-  const Cell center = traversability.frame().cell(robot.x(), robot.y());
-  const GridFrame frame{r, center.i - half, center.j - half, 2 * half + 1, 2 * half + 1};
+  const GridFrame& frame = factors.frame;
+  const double r = frame.resolution;
   Grid<double> cost(frame, std::numeric_limits<double>::infinity());
 
   using Entry = std::pair<double, int>;
@@ -40,7 +57,9 @@ std::shared_ptr<const CostToGo> RetreatTrail::cost_to_go(const Traversability& t
   if (open.empty()) seed(false);
   if (open.empty()) return nullptr;
 
+  std::size_t taken = 0;
   while (!open.empty()) {
+    if (++taken % 64 == 0) pause();
     const auto [value, index] = open.top();
     open.pop();
     const Cell c = frame.at(index);
@@ -49,7 +68,7 @@ std::shared_ptr<const CostToGo> RetreatTrail::cost_to_go(const Traversability& t
       for (int di = -1; di <= 1; ++di) {
         const Cell n{c.i + di, c.j + dj};
         if ((di == 0 && dj == 0) || !frame.contains(n)) continue;
-        const float factor = traversability.factor(n);
+        const float factor = factors[n];
         const double step = r * (di != 0 && dj != 0 ? M_SQRT2 : 1.0) *
                             (factor > 0.0F ? static_cast<double>(factor) : 3.0);
         if (value + step < cost[n]) {

@@ -16,6 +16,8 @@ namespace prospect {
 /// formulation asks to "turn and retreat to where features are").
 class RetreatTrail {
  public:
+  static constexpr double kAway = 0.5, kReach = 6.0;  ///< [m]
+
   /// Notes a place and how many features were tracked there, at most one each `spacing` [m].
   void note(const Eigen::Vector2d& position, int tracked, double spacing = 0.3);
   const std::vector<Eigen::Vector2d>& places() const { return places_; }
@@ -28,7 +30,15 @@ class RetreatTrail {
   /// everywhere. Null if nothing was noted within reach.
   std::shared_ptr<const CostToGo> cost_to_go(const Traversability& traversability,
                                              const Eigen::Vector2d& robot, double v_max,
-                                             double away = 0.5, double reach = 6.0) const;
+                                             double away = kAway, double reach = kReach) const;
+  /// The same over the cells of `factors`, that of which, 0 where impassable, it holds.
+  std::shared_ptr<const CostToGo> cost_to_go(const Grid<float>& factors,
+                                             const Eigen::Vector2d& robot, double v_max,
+                                             double away = kAway,
+                                             const PausePoint& pause = {}) const;
+  /// Those within `reach` of the robot, at a finite position.
+  static Grid<float> factors_around(const Eigen::Vector2d& robot,
+                                    const Traversability& traversability, double reach = kReach);
 
  private:
   std::vector<Eigen::Vector2d> places_;

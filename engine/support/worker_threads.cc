@@ -83,6 +83,8 @@ WorkerThreads::~WorkerThreads() {
   for (std::thread& thread : impl_->threads) thread.join();
 }
 
+int WorkerThreads::size() const { return static_cast<int>(impl_->threads.size()) + 1; }
+
 void WorkerThreads::run(int count, const std::function<void(int)>& work) {
   Impl& impl = *impl_;
   if (impl.threads.empty() || count <= 1) {

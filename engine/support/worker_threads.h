@@ -17,6 +17,8 @@ class WorkerThreads {
   /// threads: the caller's included.
   explicit WorkerThreads(int threads);
   ~WorkerThreads();
+  /// That share the work, the caller's included.
+  int size() const;
   WorkerThreads(const WorkerThreads&) = delete;
   WorkerThreads& operator=(const WorkerThreads&) = delete;
 

@@ -81,7 +81,9 @@ void update_clearance(const ProblemSpecification& specification, ClearanceEvalua
       specification.clearance_center, *specification.voxels, *specification.ground, options,
       evaluators.occupied.get(), pause);
   evaluators.body =
-      std::make_shared<const BodyClearance>(evaluators.occupied, specification.robot.shape);
+      evaluators.body != nullptr
+          ? std::make_shared<const BodyClearance>(evaluators.occupied, *evaluators.body)
+          : std::make_shared<const BodyClearance>(evaluators.occupied, specification.robot.shape);
   if (specification.unknown == UnknownPolicy::kFree) {
     evaluators.known = nullptr;
     evaluators.known_body = nullptr;
@@ -91,8 +93,7 @@ void update_clearance(const ProblemSpecification& specification, ClearanceEvalua
   evaluators.known = std::make_shared<const ClearanceField>(
       specification.clearance_center, *specification.voxels, *specification.ground, options,
       evaluators.known.get(), pause);
-  evaluators.known_body =
-      std::make_shared<const BodyClearance>(evaluators.known, specification.robot.shape);
+  evaluators.known_body = std::make_shared<const BodyClearance>(evaluators.known, *evaluators.body);
 }
 
 void update_views(const ProblemSpecification& specification, CachedEvaluators& evaluators,

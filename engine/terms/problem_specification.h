@@ -98,8 +98,8 @@ struct ClearanceEvaluators {
   std::shared_ptr<const BodyClearance> known_body;  ///< of the robot in `known`; null without it
 };
 
-/// What a problem is put together from. Handed on to the next step, where what has not changed need
-/// not be computed again; the result has the same bits either way.
+/// What a problem is put together from. Handed on to the next step of the same robot, where what
+/// has not changed need not be computed again; the result has the same bits either way.
 struct CachedEvaluators : ClearanceEvaluators {
   std::shared_ptr<const OcclusionTable> landmark_table, target_table;
   std::shared_ptr<const VisibilityPrediction> prediction;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <random>
+#include <vector>
 
 #include "tests/engine/ground_worlds.h"
 
@@ -160,6 +161,31 @@ TEST(PathLengths, AFloodInStagesIsTheFloodAtOnceAndOneThatHasEnoughStops) {
   once.flood({30, 30}, kInfinity, [](Cell, double length) { return length > 2.0; });
   EXPECT_LT(once.length({45, 30}), kInfinity);
   EXPECT_EQ(once.length({80, 30}), kInfinity);
+}
+
+TEST(PathLengths, AFloodBesideLeavesTheLengthsAndWorksAsOftenAsIsAsked) {
+  const Traversability t = of(rooms(true));
+  PathLengths kept, expected;
+  kept.update(t);
+  expected.update(t);
+  kept.flood({30, 30});
+  const double before = kept.length({80, 30});
+  PathLengths::Search beside;
+  for (const Cell from : {Cell{30, 20}, Cell{90, 50}, Cell{30, 20}, Cell{10, 30}}) {
+    for (const double limit : {kInfinity, 2.0}) {
+      std::vector<double> lengths, anew;
+      kept.flood(beside, from, limit, [&](Cell, double length) {
+        lengths.push_back(length);
+        return false;
+      });
+      expected.flood(from, limit, [&](Cell, double length) {
+        anew.push_back(length);
+        return false;
+      });
+      EXPECT_EQ(lengths, anew);
+      EXPECT_EQ(kept.length({80, 30}), before);
+    }
+  }
 }
 
 TEST(PathLengths, AnUpdateIsAComputationFromScratch) {

@@ -115,5 +115,25 @@ TEST(BodyClearance, RejectsAFieldThatIsTooShortSighted) {
   EXPECT_THROW(BodyClearance(field, CylinderShape{}, 0.0), std::invalid_argument);
 }
 
+TEST(BodyClearance, OfABodyThatIsBoundedAlreadyIsTheSame) {
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> place(-2.3, 2.3);
+  for (const bool vertical : {false, true}) {
+    const auto field = field_of(3, vertical), other = field_of(4, vertical);
+    for (const RobotShape& shape : shapes()) {
+      const BodyClearance bounded(field, shape, 0.02), expected(other, shape, 0.02);
+      const BodyClearance body(other, bounded);
+      EXPECT_EQ(body.saturation(), expected.saturation());
+      for (int sample = 0; sample < 50; ++sample) {
+        const Pose pose{{place(random), place(random), 0.3}, place(random)};
+        EXPECT_EQ(body.clearance(pose), expected.clearance(pose));
+      }
+    }
+  }
+  const BodyClearance planar(field_of(1, false), CylinderShape{});
+  EXPECT_THROW(BodyClearance(field_of(1, true), planar), std::invalid_argument);
+  EXPECT_THROW(BodyClearance(nullptr, planar), std::invalid_argument);
+}
+
 }  // namespace
 }  // namespace prospect::body_clearance_test

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -10,8 +11,11 @@
 #include <stdexcept>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "engine/maps/known_extent.h"
+#include "engine/support/resumable.h"
+#include "engine/support/stopwatch.h"
 #include "tests/engine/ground_worlds.h"
 #include "tests/not_under_sanitizers.h"
 
@@ -385,6 +389,41 @@ TEST(Traversability, BadOptionsAreNamed) {
   TraversabilityOptions thin = long_body();
   thin.hard_radius = 0.3;
   EXPECT_THROW(Traversability{thin}, std::invalid_argument);
+}
+
+// Lists that grew by being moved, and the reach of a long body, took tens of milliseconds at once.
+TEST(Traversability, PausesOftenHoweverLargeTheMap) {
+  struct Row {
+    int side;  // [cells]
+    bool heading_matters;
+  };
+  for (const Row& row : {Row{1500, false}, Row{500, true}}) {
+    GroundMap map(GridFrame{0.1, 0, 0, row.side, row.side});
+    for (int j = 0; j < row.side; ++j) {
+      for (int i = 0; i < row.side; ++i) map.set({i, j}, CellState::kFree);
+    }
+    TraversabilityOptions options;
+    if (row.heading_matters) {
+      options.body = BoxShape{{0.0, 0.0, 0.2}, {0.6, 0.3, 0.3}};
+      options.hard_radius = options.comfortable_radius = 0.4;
+    }
+    Traversability t(options);
+    Pose pose;
+    pose.position = {10.0, 10.0, 0.0};
+    Resumable work;
+    work.begin([&](const PausePoint& pause) { t.update(map, &pose, pause); });
+    std::vector<double> pieces;  // [ms]
+    while (work.busy()) {
+      ProcessorStopwatch watch(CLOCK_PROCESS_CPUTIME_ID);
+      work.run_until(Resumable::Clock::now() + std::chrono::milliseconds(1));
+      pieces.push_back(watch.lap());
+    }
+    ASSERT_GT(pieces.size(), 10u);
+    // But for two that the machine may have disturbed.
+    std::sort(pieces.begin(), pieces.end());
+    EXPECT_LT(pieces[pieces.size() - 3], 4.0) << row.side;
+    EXPECT_TRUE(t.passable({100, 100}));
+  }
 }
 
 }  // namespace
