@@ -288,6 +288,12 @@ class Judge {
       if (newton()) return found(Verdict::kDescent);
       return {Verdict::kUnproven, "the cost has a slope there", {}};
     }
+    // Differences make a little curvature of its change, as at 0 of x^3.
+    constexpr double kLittle = 1e-3;
+    for (Index j = weak; j < values.size(); ++j) {
+      const bool little = j == weak || values[j] <= kLittle * values[values.size() - 1];
+      if (little && falls_along(V.col(j))) return found(Verdict::kDescent);
+    }
     if (weak == 0 && smooth_) return {Verdict::kOptimum, "", {}};
     bool rises = true;
     for (Index j = 0; j < weak; ++j) {
@@ -314,6 +320,20 @@ class Judge {
     Vector x = within(x_ + s_.cwiseProduct(newton_));
     Evaluation e;
     return return_to_constraints(x) && at(x, Evaluate::kValue, e) && gains(x, e, counts_);
+  }
+
+  /// Whether a step along v or against it gains, however little it may matter.
+  bool falls_along(const Vector& v) {
+    Evaluation e;
+    for (const double side : {1.0, -1.0}) {
+      for (auto t = kProbes.rbegin(); t != kProbes.rend(); ++t) {
+        Vector x = within(x_ + side * *t * s_.cwiseProduct(v));
+        if (return_to_constraints(x) && at(x, Evaluate::kValue, e) && gains(x, e, refutes())) {
+          return true;
+        }
+      }
+    }
+    return false;
   }
 
   enum class Side { kFalls, kRises, kUnclear };

@@ -29,14 +29,15 @@ namespace prospect {
 /// that all linearised constraints leave.
 /// Second order. Z spans what is left by bounds and active constraints whose multipliers make a
 /// step of 0.1 off them cost w. H is the Hessian of the Lagrangian in Z, by differences of its
-/// gradient. Where all its eigenvalues make a step of 0.3 cost more than w, x is a minimum. Along a
-/// vector of any other eigenvalue steps of 0.001 to 0.3 are tried to both sides, each followed by
-/// Newton's step in the others (along a curved valley the cost may fall where every straight line
-/// rises), and by one back to the active constraints. One that gains 10 w refutes the claim. So
-/// does Newton's step from x, if it gains; if it promises 10 w and does not, nothing is shown.
-/// Where there is one such vector and the cost rises by w to both sides, x is a minimum; else
-/// nothing is shown: saddles of higher order, plateaus, and variables that do not matter look
-/// alike.
+/// gradient. Where all its eigenvalues make a step of 0.3 cost more than w, x is a minimum, unless
+/// steps along the vectors of the least ones gain 10 w: differences take a change of curvature for
+/// curvature. Along a vector of any other eigenvalue steps of 0.001 to 0.3 are tried to both sides,
+/// each followed by Newton's step in the others (along a curved valley the cost may fall where
+/// every straight line rises), and by one back to the active constraints. One that gains 10 w
+/// refutes the claim. So does Newton's step from x, if it gains; if it promises 10 w and does not,
+/// nothing is shown. Where there is one such vector and the cost rises by w to both sides, x is a
+/// minimum; else nothing is shown: saddles of higher order, plateaus, and variables that do not
+/// matter look alike.
 ///
 /// A cost within w of the lower bound that its terms state (ResidualForm) is a minimum, whatever
 /// its curvature.

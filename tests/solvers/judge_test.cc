@@ -26,6 +26,18 @@ FunctionProblem quadratic(double a, double b) {
   return p;
 }
 
+/// scale (x^3 + a y^2 + b y^3).
+FunctionProblem inflection(double scale, double a, double b) {
+  FunctionProblem p = quadratic(1.0, 1.0);
+  p.f = [=](const Vector& x) {
+    return scale * (x[0] * x[0] * x[0] + x[1] * x[1] * (a + b * x[1]));
+  };
+  p.g = [=](const Vector& x) {
+    return Vector(scale * vec({3.0 * x[0] * x[0], x[1] * (2.0 * a + 3.0 * b * x[1])}));
+  };
+  return p;
+}
+
 /// The same, subject to x >= least and, if `ends`, x <= 0.
 FunctionProblem bounded(double least, bool ends) {
   FunctionProblem p = quadratic(1.0, 1.0);
@@ -52,6 +64,11 @@ TEST(Judge, SaysOfAPointWhatIsShown) {
       {"slope", quadratic(1.0, 1.0), vec({1.0, 0.0}), Verdict::kDescent},
       {"saddle", quadratic(1.0, -1.0), vec({0.0, 0.0}), Verdict::kDescent},
       {"maximum", quadratic(-1.0, -1.0), vec({0.0, 0.0}), Verdict::kDescent},
+      {"inflection", inflection(1.0, 0.0, 0.0), vec({0.0, 0.0}), Verdict::kDescent},
+      {"inflection, small", inflection(1e-3, 0.0, 1.0), vec({0.0, 0.0}), Verdict::kDescent},
+      {"inflection, large", inflection(1e6, 1e-3, 0.0), vec({0.0, 0.0}), Verdict::kDescent},
+      {"inflections, unlike", inflection(1.0, 0.0, 1e4), vec({0.0, 0.0}), Verdict::kDescent},
+      {"inflection on a bound", inflection(1.0, 1.0, 0.0), vec({-3.0, 0.0}), Verdict::kOptimum},
       {"corner of a maximum", quadratic(-1.0, -1.0), vec({3.0, -3.0}), Verdict::kOptimum},
       {"saddle on a bound", quadratic(-1.0, -1.0), vec({3.0, 0.0}), Verdict::kDescent},
       {"a variable that does not matter", quadratic(1.0, 0.0), vec({0.0, 1.0}), Verdict::kUnproven},
