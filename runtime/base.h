@@ -48,24 +48,28 @@ struct BaseReport {
 /// the motors, must not wait for anything else, and must be started by what starts the motors, so
 /// that it lives as long as they do.
 ///
-/// Thread-safety: send(), stop() and report() are called from one thread, the command thread, and
-/// return at once: they never wait for the link. name(), dead_man() and limits() never change and
-/// may be called from any thread. Nothing here throws: a link that breaks shows in report().
+/// Thread-safety: send(), stop() and report() are called from one thread at a time, the command
+/// thread, and return at once: they never wait for the link. name(), dead_man() and limits() never
+/// change and may be called from any thread.
+///
+/// Errors: nothing is to throw: a link that breaks shows in report(). Who drives a base that others
+/// wrote makes a fault of what it throws all the same, and of a call that does not return
+/// (adapters/robots/user/threaded_base.h).
 class Base {
  public:
   virtual ~Base() = default;
 
-  virtual std::string name() const noexcept = 0;
+  virtual std::string name() const = 0;
   /// [s] > 0 after which it stops by itself; none: it does not.
-  virtual std::optional<double> dead_man() const noexcept = 0;
-  virtual BaseLimits limits() const noexcept { return {}; }
+  virtual std::optional<double> dead_man() const = 0;
+  virtual BaseLimits limits() const { return {}; }
 
   /// Body velocity to hold until the next command, at most until `expires` [s] in the runtime's
   /// clock. One that has expired already is not executed.
-  virtual void send(const Twist& command, double expires) noexcept = 0;
+  virtual void send(const Twist& command, double expires) = 0;
   /// Zero velocity as fast as the base can brake, without a ramp of ours. The next send() ends it.
-  virtual void stop() noexcept = 0;
-  virtual BaseReport report() noexcept = 0;
+  virtual void stop() = 0;
+  virtual BaseReport report() = 0;
 };
 
 }  // namespace prospect

@@ -45,7 +45,8 @@ DriveFacts DriveWatch::facts(const DriveObservation& seen) {
 
   const bool is_new = base.connected && heard_ != base.stamp;
   if (is_new) heard_ = base.stamp;
-  facts.base_silent = !heard_ || !(now - *heard_ <= options_.max_silence);
+  // A stamp that is ahead of time says as little as an old one.
+  facts.base_silent = !heard_ || !(std::abs(now - *heard_) <= options_.max_silence);
   if (!base.faults.empty()) facts.base_fault = base.faults.front();
   const double speed = base.velocity.linear.norm(), rate = std::abs(base.velocity.yaw_rate);
   facts.rest_for = lasting(base.connected && !facts.base_silent && speed <= options_.rest_speed &&

@@ -190,7 +190,9 @@ class Run {
     if (!base.connected) return "it is not connected";
     if (!base.faults.empty()) return base.faults.front();
     const double age = now - base.stamp;
-    return age <= driver_.watch.max_silence ? "" : formatted("its newest word is %.2f s old", age);
+    return std::abs(age) <= driver_.watch.max_silence
+               ? ""
+               : formatted("its newest word is %.2f s old", age);
   }
 
   /// The middle one of some looks, as one alone may be wrong; none: most of them saw none.

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/problem/solver.h"
 #include "models/camera.h"
 #include "models/types.h"
 #include "runtime/base.h"
@@ -18,12 +19,14 @@ namespace prospect {
 /// What works a robot of one's own. One object may be both base and sensors.
 struct RobotDrivers {
   std::shared_ptr<Base> base;
-  std::shared_ptr<SensorSource> sensors;
+  std::vector<std::shared_ptr<SensorSource>> sensors;    ///< a localization is one, too
   std::shared_ptr<EmergencyStopInput> emergency_stop{};  ///< null: nobody presses one
 };
 
 /// A robot of one's own: what it is, and how it is made. All else (perception, planner, guard,
-/// checks, records) is Prospect's.
+/// checks, records) is Prospect's. A program gives it to run_robot(), a shared library offers it as
+/// a plug-in (runtime/plugin_robot.h). Several parts may be one robot (adapters/robots/user/
+/// joined_robots.h): a base by one, sensors by another.
 ///
 /// Perception is by what the sensors deliver: `streams` are those that the robot needs, and cannot
 /// go without. With stereo pairs poses are those of visual odometry, with wheels where they turn;
@@ -35,11 +38,14 @@ struct UserRobot {
   /// What else is to be known of it: keys of the configuration, "robot.motion.v_max=0.5". They
   /// stand above a configuration file, and below what is told on the command line.
   std::vector<std::string> settings{};
+  /// What its drivers can be told: keys of the configuration, too, `base.NAME`, of the type of
+  /// their defaults. Names are letters, digits and _.
+  std::vector<OptionInfo> options{};
   std::optional<PinholeCamera> depth{};  ///< of its depth images
   Pose start{};  ///< of B in W when it is made; the place that its body takes up there is free
-  /// Called once, before any thread of Prospect, once nothing else is amiss. What it throws ends
-  /// the program: std::invalid_argument as bad input, in one line.
-  std::function<RobotDrivers()> make;
+  /// Called once, before any thread of Prospect, once nothing else is amiss, with all options. What
+  /// it throws ends the program: std::invalid_argument as bad input, in one line.
+  std::function<RobotDrivers(const Options& options)> make;
 };
 
 }  // namespace prospect

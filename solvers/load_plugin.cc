@@ -200,10 +200,12 @@ const Plugin& open_plugin(const std::string& path) {
     return number;
   };
   if (count("back ends", plugin->solvers, plugin->num_solvers) +
-          count("terms", plugin->terms, plugin->num_terms) +
-          count("problems", plugin->problems, plugin->num_problems) ==
-      0) {
-    throw std::invalid_argument("offers nothing; expected a back end, a term or a problem");
+              count("terms", plugin->terms, plugin->num_terms) +
+              count("problems", plugin->problems, plugin->num_problems) ==
+          0 &&
+      !plugin->robot) {
+    throw std::invalid_argument(
+        "offers nothing; expected a back end, a term, a problem or a robot");
   }
   return *plugin;
 }
@@ -271,6 +273,7 @@ std::string load_plugin(const std::string& path, const PluginTargets& targets) {
     targets.solvers = std::move(solvers);
     targets.terms = std::move(terms);
     targets.problems = std::move(problems);
+    if (targets.robot) *targets.robot = plugin.robot;
     return plugin.abi.optimized != 0
                ? ""
                : in_one_line("plug-in '" + path +

@@ -8,11 +8,15 @@
 
 namespace prospect {
 
+struct PluginRobot;
+
 /// What a plug-in adds to.
 struct PluginTargets {
   SolverRegistry& solvers;
   TermRegistry& terms;
   ProblemRegistry& problems;
+  /// Is set to the plug-in's robot, null for none, unread (adapters/robots/user/load_robot.h).
+  const PluginRobot** robot = nullptr;
 };
 
 /// Opens the shared library `path` (a path, not a name to search for; its symbols stay its own) and

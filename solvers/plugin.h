@@ -11,9 +11,9 @@
 #include "models/version.h"
 
 /// What a shared library must offer to be loaded as a plug-in (solvers/load_plugin.h, `prospect
-/// --plugin lib.so`): a C function `prospect_plugin` that returns one Plugin, with back ends, terms
-/// and problems. Whole examples are docs/examples/plugin and docs/examples/user_term; the page is
-/// docs/reference/plugins.md.
+/// --plugin lib.so`): a C function `prospect_plugin` that returns one Plugin, with back ends,
+/// terms, problems and a robot. Whole examples are docs/examples/plugin, user_term and create2; the
+/// page is docs/reference/plugins.md.
 ///
 /// Prospect's libraries are static, so that a plug-in holds a copy of the engine of its own, and
 /// that copy works on the objects of the program. Hence both must be compiled from the same
@@ -33,7 +33,7 @@ namespace prospect {
 
 /// Of this file, and of the virtual functions of Solver, Term, MotionModel and their scratch:
 /// raised with every change of either.
-constexpr std::uint32_t kPluginInterface = 4;
+constexpr std::uint32_t kPluginInterface = 5;
 
 /// What two libraries must have in common to share objects. Constants of the file that is compiled,
 /// so that a plug-in states its own flags; compared one by one.
@@ -125,6 +125,8 @@ struct PluginProblem {
   double best_known = std::numeric_limits<double>::quiet_NaN();
 };
 
+struct PluginRobot;  // runtime/plugin_robot.h: what it is the room of solvers does not know
+
 /// What `prospect_plugin` returns: static data of the plug-in, or nullptr if it cannot be used now.
 struct Plugin {
   std::uint32_t interface_version;  ///< kPluginInterface; first in every version
@@ -135,6 +137,7 @@ struct Plugin {
   std::size_t num_terms = 0;
   const PluginProblem* problems = nullptr;
   std::size_t num_problems = 0;
+  const PluginRobot* robot = nullptr;
 };
 
 }  // namespace prospect

@@ -81,7 +81,7 @@ else
 fi
 refused "a port that there is not" --live "whole number from 0 to 65535" drive office --live 70000 --out none
 refused "a host of nothing" --live-host "--live" drive office --live-host 127.0.0.1 --out none
-refused "a base that there is not" --base "expected one of: simulator, gazebo, dds" drive office --base rover \
+refused "a base that there is not" --base "expected simulator, gazebo, dds or plugin:FILE" drive office --base rover \
   --out none
 # Nobody listens at port 1.
 refused "a Gazebo that is not there" 127.0.0.1:1 "expected" drive --base gazebo \
@@ -389,7 +389,7 @@ done
 {
   echo "{"
   separator=""
-  for what in solvers worlds terms sets modes drive-modes links adapters; do
+  for what in solvers worlds terms sets modes drive-modes links bases adapters; do
     printf '%s  "%s": ' "$separator" "$what"
     "$prospect" list "$what" --json | sed '2,$s/^/  /' | head -c -1
     separator=$',\n'

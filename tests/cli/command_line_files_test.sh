@@ -92,7 +92,7 @@ offers "a second figure" path,map
 tab report run --colour sp
 offers "colours" speed
 tab list ""
-offers "list kinds" "adapters drive-modes links modes sets solvers terms worlds"
+offers "list kinds" "adapters bases drive-modes links modes sets solvers terms worlds"
 tab explore off
 offers "worlds" "office office_bare"
 tab explore w

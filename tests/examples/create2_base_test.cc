@@ -8,10 +8,10 @@
 #include <chrono>
 #include <cmath>
 #include <functional>
+#include <stdexcept>
 #include <string>
 #include <thread>
 
-#include "adapters/formats/files/input_error.h"
 #include "tests/examples/fake_create2.h"
 
 namespace prospect::create2_base_test {
@@ -172,7 +172,7 @@ TEST_F(Create2BaseTest, WhatIsNoCreateIsRefused) {
   const auto refusal = [](const Create2Options& options) -> std::string {
     try {
       const Create2Base base(options);
-    } catch (const InputError& e) {
+    } catch (const std::invalid_argument& e) {
       return e.what();
     }
     return "";

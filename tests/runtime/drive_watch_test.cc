@@ -54,6 +54,16 @@ TEST_F(DriveWatchTest, CountsForHowLongItIsSo) {
   EXPECT_NEAR(at(10.9).rest_for, 0.2, 1e-9);
 }
 
+// Its clock is wrong, or its driver: it would never be missed.
+TEST_F(DriveWatchTest, ABaseThatIsAheadOfTimeIsSilent) {
+  silent_ = true;
+  base_.stamp = 10.3;
+  EXPECT_FALSE(at(10.1).base_silent);
+  base_.stamp = 1e6;
+  EXPECT_TRUE(at(10.2).base_silent);
+  EXPECT_EQ(at(10.3).rest_for, 0.0);
+}
+
 TEST_F(DriveWatchTest, WithoutABeliefNothingIsLive) {
   seen_.belief = nullptr;
   const DriveFacts facts = at(11.0);

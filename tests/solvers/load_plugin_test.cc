@@ -208,7 +208,7 @@ TEST_F(FaultyPlugin, OfAnotherBinaryInterfaceIsRefused) {
 TEST_F(FaultyPlugin, WithNothingToOfferIsRefused) {
   EXPECT_THAT(refusal_of("no solvers"), EndsWith("has no list of its 1 back ends; expected one"));
   EXPECT_THAT(refusal_of("zero solvers"),
-              EndsWith("offers nothing; expected a back end, a term or a problem"));
+              EndsWith("offers nothing; expected a back end, a term, a problem or a robot"));
   EXPECT_THAT(refusal_of("entry returns nothing"), HasSubstr("the entry point returned nothing; "));
   EXPECT_THAT(refusal_of("no factory"), EndsWith("'misfit' has no factory; expected one"));
   EXPECT_THAT(refusal_of("factory returns nothing"),

@@ -8,6 +8,7 @@
 
 #include "adapters/formats/files/input_error.h"
 #include "adapters/formats/files/parse_number.h"
+#include "adapters/missions/config/read_option.h"
 #include "adapters/missions/config/renamed_keys.h"
 #include "adapters/missions/config/sensor_sight.h"
 #include "adapters/missions/config/solver_options.h"
@@ -288,6 +289,17 @@ void read_gazebo(YamlMap map, GazeboOptions& gazebo) {
   gazebo.right_wheel = map.text("right_wheel", gazebo.right_wheel, "link of the model");
 }
 
+/// What the drivers of a robot of one's own are told. Where it is not there, as for a replay, its
+/// keys stay as they are.
+void read_base(YamlMap map, const Registries& registries, Options& base) {
+  for (const OfferedRobot& offered : registries.robots) {
+    for (const OptionInfo& option : offered.robot.options)
+      base[option.name] = read_option(map, option);
+  }
+  if (!registries.robots.empty()) return;
+  for (const std::string& name : map.keys()) map.value(name, "of a robot's own driver");
+}
+
 /// x, y of each corner in turn.
 Polygon polygon_of(const std::vector<double>& numbers) {
   Polygon polygon;
@@ -386,6 +398,7 @@ Configuration read(StrictYaml yaml, const Registries& registries, ConfigurationU
   if (root.problem_count() == 0) c.drive.ranges = range_stop_options(c.robot);
   read_drive(root.map("drive"), c);
   read_gazebo(root.map("gazebo"), c.gazebo);
+  read_base(root.map("base"), registries, c.base);
   if (root.problem_count() == 0) check_sight(root.map("robot"), c);
   if (root.problem_count() == 0) {
     share_robot(c);

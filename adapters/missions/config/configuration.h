@@ -32,6 +32,7 @@ struct Configuration {
   DriveOptions drive;                   ///< in real time
   SimulatedBaseOptions simulated_base;  ///< the simulator, in real time
   GazeboOptions gazebo;
+  Options base;  ///< what the drivers of a robot of one's own are told
   /// What ends the task as seen: a share of the reachable area, or an area [m^2], as the simulator
   /// really measures them; 0: neither.
   double until_coverage = 0.0, until_area = 0.0;

@@ -87,6 +87,8 @@ constexpr std::array kRows = {
     KeyRow{"perception.pose_lost", told_pose, kPose},
     KeyRow{"gazebo", [](const KeyReader& r) { return r.use == Use::kDriveGazebo; },
            "of a robot in Gazebo; expected it with prospect drive --base gazebo", true},
+    KeyRow{"base", [](const KeyReader& r) { return r.use == Use::kDriveUser; },
+           "of a robot's own driver; expected it with prospect drive --base plugin:FILE", true},
     KeyRow{"world", measured, "no world is read; expected it with a simulated world", true},
     KeyRow{"world.start", [](const KeyReader& r) { return r.use != Use::kDriveGazebo; },
            "the robot begins where it stands; expected it with a simulated world", true},

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <memory>
 
 #include "adapters/formats/files/parse_number.h"
+#include "adapters/missions/config/read_option.h"
 #include "models/unicycle.h"
 
 namespace prospect {
@@ -30,20 +30,12 @@ OptionValue guessed(const std::string& text) {
   return text;
 }
 
-OptionValue read_option(YamlMap& map, const std::string& name, const Solver& solver) {
+OptionValue read_solver_option(YamlMap& map, const std::string& name, const Solver& solver) {
   const std::vector<OptionInfo> known = solver.options();
   const auto info =
       std::find_if(known.begin(), known.end(), [&](const OptionInfo& o) { return o.name == name; });
   if (info == known.end()) return guessed(map.text(name, "", "of the back end"));
-  if (const int* fallback = std::get_if<int>(&info->fallback)) {
-    return static_cast<int>(map.integer(name, *fallback, std::numeric_limits<int>::lowest(),
-                                        std::numeric_limits<int>::max(), "", info->description));
-  }
-  if (const double* fallback = std::get_if<double>(&info->fallback)) {
-    return map.number(name, *fallback, std::numeric_limits<double>::lowest(),
-                      std::numeric_limits<double>::max(), "", info->description);
-  }
-  return map.text(name, std::get<std::string>(info->fallback), info->description);
+  return read_option(map, *info);
 }
 
 }  // namespace
@@ -62,7 +54,7 @@ Options read_solver_options(YamlMap map, const Solver& solver) {
   Options options;
   for (const std::string& name : map.keys()) {
     const std::size_t problems = map.problem_count();
-    const OptionValue value = read_option(map, name, solver);
+    const OptionValue value = read_solver_option(map, name, solver);
     if (map.problem_count() != problems) continue;
     if (const std::string wrong = solver_options_problem(solver, {{name, value}}); !wrong.empty()) {
       map.problem(name, wrong);

@@ -8,7 +8,11 @@ namespace prospect {
 ExplorationRunResult explore_user(const Configuration& c, const UserRobot& user,
                                   const ExplorationRunOptions& options) {
   check_drives(c);
-  UserRobotConfiguration made{.user = user, .robot = c.robot, .inbox = inbox_of(c)};
+  UserRobotConfiguration made{.user = user,
+                              .robot = c.robot,
+                              .options = c.base,
+                              .priority = c.drive.driver.priority,
+                              .inbox = inbox_of(c)};
   if (options.real_time) made.faults = options.real_time->faults;
   return live_mission(make_robot(made), c, c.guard, nullptr, options);
 }

@@ -6,6 +6,7 @@
 
 #include "adapters/formats/files/exit_code.h"
 #include "adapters/missions/config/registries.h"
+#include "adapters/program/cli/command_line.h"
 
 namespace CLI {
 class App;
@@ -22,6 +23,7 @@ struct Invocation {
   std::vector<std::string> plugins;  ///< files, as given
   std::vector<std::string> program;  ///< words that start this program anew
   SignalGuard& signals;
+  const LoadPlugin& load;
 };
 
 /// A command of the program: its options, described in its own file, and what runs it with what

@@ -25,6 +25,7 @@
 #include "adapters/program/cli/interrupt.h"
 #include "adapters/program/cli/parse_command_line.h"
 #include "adapters/program/cli/shell_words.h"
+#include "adapters/robots/user/load_robot.h"
 
 namespace {
 
@@ -100,7 +101,7 @@ int run(int argc, char** argv, const prospect::LoadPlugin& load,
   if (*files_command) return write_command_line_files(app, shared_folder);
   Registries registries;
   load_plugins(plugins, load, registries);
-  const Invocation invocation{registries, typed_line(argc, argv), plugins, program, signals};
+  const Invocation invocation{registries, typed_line(argc, argv), plugins, program, signals, load};
   const auto chosen = std::find_if(commands.begin(), commands.end(), [](const Command& command) {
     return command.options->parsed();
   });
@@ -127,9 +128,15 @@ void prospect::load_plugins(const std::vector<std::string>& plugins, const LoadP
                             Registries& registries) {
   for (const std::string& name : builtin_set_names()) registries.problems.reserve(name);
   for (const std::string& path : plugins) {
+    const PluginRobot* robot = nullptr;
     const std::string warning =
-        load(path, {registries.solvers, registries.terms, registries.problems});
+        load(path, {registries.solvers, registries.terms, registries.problems, &robot});
     if (!warning.empty()) std::cerr << "prospect: " << warning << '\n';
+    if (robot) {
+      UserRobot loaded = load_robot(*robot, path);
+      registries.robots.push_back(
+          {path, robot->description ? robot->description : "", std::move(loaded)});
+    }
   }
 }
 

@@ -15,7 +15,8 @@ class SignalGuard;
 /// std::invalid_argument as load_plugin().
 using LoadPlugin = std::function<std::string(const std::string& path, const PluginTargets&)>;
 
-/// Adds what the files of --plugin offer, with a line on standard error for each warning.
+/// Adds what the files of plug-ins offer, with a line on standard error for each warning. Throws as
+/// load_plugin() and load_robot().
 void load_plugins(const std::vector<std::string>& plugins, const LoadPlugin& load,
                   Registries& registries);
 

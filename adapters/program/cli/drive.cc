@@ -1,6 +1,7 @@
+#include <algorithm>
 #include <memory>
-#include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "adapters/formats/files/input_error.h"
@@ -8,24 +9,57 @@
 #include "adapters/program/cli/common_options.h"
 #include "adapters/program/cli/explore.h"
 #include "adapters/robots/faults/injected_fault.h"
+#include "adapters/robots/user/joined_robots.h"
 
 namespace prospect {
 namespace {
 
 struct DriveArguments {
   ExploreArguments mission;
-  std::string base = "simulator";   ///< "simulator", "gazebo", "dds"
+  /// "simulator", "gazebo", "dds"; or parts of one robot, "plugin:FILE" each.
+  std::vector<std::string> base = {"simulator"};
   std::string ros;                  ///< file of topics, of "dds"
   std::vector<std::string> faults;  ///< injected_fault.h
   bool measure = false;             ///< Gazebo's truth measures, against mission.world
 };
 
+constexpr std::string_view kPlugin = "plugin:";
+
+/// The robot of the plug-ins, in the place of others that there are. Their back ends are there,
+/// too.
+UserRobot plugin_robot(const std::vector<std::string>& bases, const Invocation& in,
+                       Registries& registries) {
+  registries.robots.clear();
+  std::vector<UserRobot> parts;
+  for (const std::string& base : bases) {
+    if (!base.starts_with(kPlugin)) {
+      throw InputError("--base " + base + ": given beside a plug-in; expected plug-ins alone");
+    }
+    const std::string file = base.substr(kPlugin.size());
+    load_plugins({file}, in.load, registries);
+    if (registries.robots.size() == parts.size()) {
+      throw InputError("plug-in '" + file + "': has no robot; expected one for --base");
+    }
+    parts.push_back(registries.robots.back().robot);
+  }
+  UserRobot robot = joined(parts);
+  registries.robots = {{bases.front().substr(kPlugin.size()), "", robot}};
+  return robot;
+}
+
 int drive(const DriveArguments& arguments, const Invocation& in) {
+  const bool plugin = std::ranges::any_of(
+      arguments.base, [](const std::string& base) { return base.starts_with(kPlugin); });
+  if (!plugin && arguments.base.size() > 1) {
+    throw InputError("--base: given " + std::to_string(arguments.base.size()) +
+                     " times; expected one robot");
+  }
+  const std::string& name = arguments.base.front();
   ExploreArguments logged = arguments.mission;
   logged.log = true;
   MissionBase base;
   const std::vector<InjectedFault> faults = parsed_faults(arguments.faults);
-  if (arguments.base == "dds") {
+  if (name == "dds") {
     if (!faults.empty()) {
       throw InputError("--fault: nothing stands between; expected it with --base simulator|gazebo");
     }
@@ -39,14 +73,21 @@ int drive(const DriveArguments& arguments, const Invocation& in) {
     return mission(logged, in.registries, base, in.signals);
   }
   if (!arguments.ros.empty()) {
-    throw InputError("--ros: given with --base " + arguments.base +
-                     "; expected it with --base dds");
+    throw InputError("--ros: given with --base " + name + "; expected it with --base dds");
   }
-  base.gazebo = arguments.base == "gazebo";
+  base.gazebo = name == "gazebo";
   base.measure = arguments.measure;
   base.real_time.emplace(RealTimeRun{faults});
   if (!base.gazebo && arguments.measure) {
-    throw InputError("--measure: the simulator always measures; expected it with --base gazebo");
+    throw InputError(
+        plugin ? "--measure: nobody knows what is true; expected it with --base gazebo"
+               : "--measure: the simulator always measures; expected it with --base gazebo");
+  }
+  if (plugin) {
+    Registries registries = in.registries;
+    const UserRobot robot = plugin_robot(arguments.base, in, registries);
+    base.user = &robot;
+    return mission(logged, registries, base, in.signals);
   }
   return mission(logged, in.registries, base, in.signals);
 }
@@ -60,10 +101,19 @@ Command drive_command(CLI::App& program) {
       "drive", "The same mission in real time: threads for perception, plans and commands");
   add_world_options(command, arguments.mission);
   add_mission_options(command, arguments.mission);
-  one_of(command->add_option("--base", arguments.base,
-                             "What is driven: the simulator as a robot with a clock, the "
-                             "robot of the Gazebo that runs, or one behind topics of ROS 2"),
-         {"simulator", "gazebo", "dds"});
+  command
+      ->add_option("--base", arguments.base,
+                   "What is driven: the simulator as a robot with a clock, the robot of the Gazebo "
+                   "that runs, one behind topics of ROS 2, or that of a shared library; of several "
+                   "libraries each has a part of it [simulator]")
+      ->type_name("simulator|gazebo|dds|plugin:FILE")
+      ->allow_extra_args(false)
+      ->check([](const std::string& base) -> std::string {
+        const bool known = base == "simulator" || base == "gazebo" || base == "dds";
+        const bool file = base.starts_with(kPlugin) && base.size() > kPlugin.size();
+        return known || file ? ""
+                             : base + " is no base; expected simulator, gazebo, dds or plugin:FILE";
+      });
   command->add_option("--ros", arguments.ros, "With --base dds: the robot's topics (YAML)")
       ->type_name("FILE");
   command->add_flag("--measure", arguments.measure,

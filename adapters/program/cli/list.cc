@@ -4,6 +4,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "adapters/formats/files/input_error.h"
@@ -36,6 +37,12 @@ std::string in_words(const nlohmann::ordered_json& option) {
   const auto number = [&](const char* key) { return exact_text(option.at(key).get<double>()); };
   return text("name") + "=" + number("default") + " [" + text("unit") + "], " + number("least") +
          " to " + number("most") + ": " + text("description");
+}
+
+/// "base.rate=115200: of the line [baud]"
+std::string key_in_words(const nlohmann::ordered_json& option) {
+  const auto text = [&](const char* key) { return option.at(key).get<std::string>(); };
+  return "base." + text("name") + "=" + text("default") + ": " + text("description");
 }
 
 nlohmann::ordered_json to_json(const TermEntry& entry) {
@@ -75,6 +82,34 @@ nlohmann::ordered_json to_json(const Link& link) {
           {"absent", cause(link.absent)},
           {"too_many", cause(link.doubled)},
           {"wrong", cause(link.wrong)}};
+}
+
+nlohmann::ordered_json to_json(const OfferedRobot& offered) {
+  nlohmann::ordered_json options = nlohmann::ordered_json::array();
+  for (const OptionInfo& o : offered.robot.options) {
+    options.push_back(
+        {{"name", o.name}, {"default", describe(o.fallback)}, {"description", o.description}});
+  }
+  return {{"name", offered.robot.name},
+          {"description", offered.description},
+          {"file", offered.file},
+          {"options", options}};
+}
+
+/// What drives: the built-in ones, and those of plug-ins.
+nlohmann::ordered_json bases(const Registries& registries) {
+  nlohmann::ordered_json out = nlohmann::ordered_json::array();
+  for (const auto& [name, description] :
+       {std::pair{"simulator", "the simulator as a robot with a clock"},
+        std::pair{"gazebo", "the robot of the Gazebo that runs"},
+        std::pair{"dds", "a robot behind topics of ROS 2"}}) {
+    out.push_back({{"name", name},
+                   {"description", description},
+                   {"file", ""},
+                   {"options", nlohmann::ordered_json::array()}});
+  }
+  for (const OfferedRobot& offered : registries.robots) out.push_back(to_json(offered));
+  return out;
 }
 
 /// Names, several a line, under a heading.
@@ -137,6 +172,8 @@ nlohmann::ordered_json as_json(const std::string& what, const DdsOptions& topics
                      {"needs", lacking.empty() ? std::string(a.needs) : lacking},
                      {"description", a.description}});
     }
+  } else if (what == "bases") {
+    out = bases(registries);
   } else if (what == "sets") {
     for (const std::string& name : builtin_set_names()) {
       out.push_back({{"name", name}, {"description", builtin_set_summary(name)}});
@@ -177,9 +214,9 @@ void print_in_full(const std::string& what, const DdsOptions& topics,
       std::printf(" [not built in: needs %s]", text("needs").c_str());
     }
     std::printf("\n");
-    if (what != "terms") continue;
+    if (what != "terms" && what != "bases") continue;
     for (const auto& option : entry.at("options")) {
-      std::printf("    %s\n", in_words(option).c_str());
+      std::printf("    %s\n", (what == "terms" ? in_words(option) : key_in_words(option)).c_str());
     }
   }
 }
@@ -197,7 +234,8 @@ std::vector<std::string> names_of(const std::string& what, const nlohmann::order
 }
 
 std::vector<std::string> list_kinds() {
-  return {"solvers", "worlds", "terms", "sets", "modes", "drive-modes", "links", "adapters"};
+  return {"solvers",     "worlds", "terms", "sets",    "modes",
+          "drive-modes", "links",  "bases", "adapters"};
 }
 
 struct ListArguments {
@@ -230,7 +268,7 @@ int list(const ListArguments& arguments, const Registries& registries) {
   }
   for (const std::string& kind : list_kinds()) print_names(kind, names_of(kind, all.at(kind)));
   std::printf("In full: prospect list %s\n",
-              "solvers|worlds|terms|sets|modes|drive-modes|links|adapters");
+              "solvers|worlds|terms|sets|modes|drive-modes|links|bases|adapters");
   return kDone;
 }
 
@@ -239,7 +277,8 @@ int list(const ListArguments& arguments, const Registries& registries) {
 Command list_command(CLI::App& program) {
   const auto given = std::make_shared<ListArguments>();
   CLI::App* command = program.add_subcommand(
-      "list", "What there is: solvers, worlds, terms, sets, modes, drive-modes, links or adapters");
+      "list",
+      "What there is: solvers, worlds, terms, sets, modes, drive-modes, links, bases or adapters");
   one_of(command->add_option("what", given->what, "Which of them, in full [all, in short]"),
          list_kinds());
   command

@@ -6,27 +6,19 @@
 #include <vector>
 
 #include "adapters/formats/files/exit_code.h"
-#include "adapters/formats/files/input_error.h"
 #include "adapters/program/cli/build_info.h"
 #include "adapters/program/cli/command_line.h"
 #include "adapters/program/cli/common_options.h"
 #include "adapters/program/cli/explore.h"
 #include "adapters/program/cli/parse_command_line.h"
 #include "adapters/program/cli/printable_output.h"
+#include "adapters/robots/user/joined_robots.h"
 
 namespace prospect {
 namespace {
 
-bool is_name(const std::string& text) {
-  return !text.empty() && text.find_first_not_of(
-                              "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUV"
-                              "WXYZ0123456789_-") == std::string::npos;
-}
-
 int run(int argc, char** argv, const UserRobot& robot, SignalGuard& signals) {
-  if (!is_name(robot.name)) {
-    throw InputError("the robot's name is '" + robot.name + "'; expected letters, digits, _ and -");
-  }
+  check(robot);
   CLI::App app{"A mission on the robot '" + robot.name + "'.", robot.name};
   ExploreArguments arguments;
   std::vector<std::string> faults, plugins;
@@ -50,6 +42,7 @@ int run(int argc, char** argv, const UserRobot& robot, SignalGuard& signals) {
       plugins,
       [](const std::string& path, const PluginTargets& to) { return load_plugin(path, to); },
       registries);
+  registries.robots = {{"", "", robot}};
   arguments.log = true;
   arguments.command_line = typed_line(argc, argv);
   MissionBase base;

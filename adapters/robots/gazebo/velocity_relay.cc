@@ -9,9 +9,9 @@
 
 #include "adapters/formats/files/input_error.h"
 #include "adapters/formats/files/not_built_in.h"
-#include "adapters/formats/files/relay_process.h"
 #include "adapters/robots/gazebo/gazebo_messages.h"
 #include "runtime/clock.h"
+#include "runtime/relay_process.h"
 #include "runtime/simulation_clock.h"
 
 namespace prospect {

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "adapters/formats/files/relay_process.h"
 #include "adapters/robots/gazebo/gazebo_options.h"
 #include "models/types.h"
+#include "runtime/relay_process.h"
 
 namespace prospect {
 

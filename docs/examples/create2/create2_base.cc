@@ -1,22 +1,20 @@
-#include "docs/examples/create2/create2_base.h"
+#include "create2_base.h"
 
 namespace prospect {
 
 Create2Base::Create2Base(const Create2Options& options) : options_(options), relay_(options) {}
 
-BaseLimits Create2Base::limits() const noexcept {
+BaseLimits Create2Base::limits() const {
   BaseLimits limits;
   limits.speed = kCreate2WheelSpeed;
   limits.yaw_rate = 2.0 * kCreate2WheelSpeed / kCreate2WheelBase;
   return limits;  // how it accelerates its maker does not say
 }
 
-void Create2Base::send(const Twist& command, double expires) noexcept {
-  relay_.send(command, expires);
-}
+void Create2Base::send(const Twist& command, double expires) { relay_.send(command, expires); }
 
 // A relay that gets zero velocity for a while holds it anyway.
-void Create2Base::stop() noexcept { relay_.send({}, SteadyClock().now() + 1.0); }
+void Create2Base::stop() { relay_.send({}, SteadyClock().now() + 1.0); }
 
 void Create2Base::add(const Create2Relay::Word& word, BaseReport& report) {
   unplugged_ = unplugged_ || word.unplugged;
@@ -40,7 +38,7 @@ void Create2Base::add(const Create2Relay::Word& word, BaseReport& report) {
   counted_ = word;
 }
 
-BaseReport Create2Base::report() noexcept {
+BaseReport Create2Base::report() {
   BaseReport report;
   for (const Create2Relay::Word& word : relay_.newest()) add(word, report);
   report.connected = speaks_ && !unplugged_ && !relay_.ended();

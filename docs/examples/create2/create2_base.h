@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "docs/examples/create2/create2_relay.h"
+#include "create2_relay.h"
 #include "runtime/base.h"
 #include "runtime/clock.h"
 
@@ -23,13 +23,13 @@ class Create2Base final : public Base {
  public:
   explicit Create2Base(const Create2Options& options);
 
-  std::string name() const noexcept override { return "create2:" + options_.device; }
-  std::optional<double> dead_man() const noexcept override { return options_.dead_man; }
-  BaseLimits limits() const noexcept override;
+  std::string name() const override { return "create2:" + options_.device; }
+  std::optional<double> dead_man() const override { return options_.dead_man; }
+  BaseLimits limits() const override;
   /// expires: of SteadyClock. The base turns and drives ahead; linear.y is not executed.
-  void send(const Twist& command, double expires) noexcept override;
-  void stop() noexcept override;
-  BaseReport report() noexcept override;
+  void send(const Twist& command, double expires) override;
+  void stop() override;
+  BaseReport report() override;
 
   const Create2Relay& relay() const { return relay_; }
 

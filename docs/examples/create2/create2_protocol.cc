@@ -1,4 +1,4 @@
-#include "docs/examples/create2/create2_protocol.h"
+#include "create2_protocol.h"
 
 #include <algorithm>
 #include <array>

@@ -1,16 +1,16 @@
-#include "docs/examples/create2/create2_relay.h"
+#include "create2_relay.h"
 
 #include <poll.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <stdexcept>
 
-#include "adapters/formats/files/input_error.h"
-#include "adapters/formats/files/relay_process.h"
-#include "docs/examples/create2/serial_port.h"
 #include "models/parameter_check.h"
 #include "runtime/clock.h"
+#include "runtime/relay_process.h"
+#include "serial_port.h"
 
 namespace prospect {
 namespace {
@@ -132,10 +132,11 @@ Create2Relay::Create2Relay(const Create2Options& options) {
     first_ = newest();
   }
   if (first_.empty() || first_.front().unplugged) {
-    throw InputError(options.device +
-                     ": nothing that can be understood comes; expected a Create 2 that is switched "
-                     "on, at " +
-                     std::to_string(options.rate) + " baud");
+    throw std::invalid_argument(
+        options.device +
+        ": nothing that can be understood comes; expected a Create 2 that is switched "
+        "on, at " +
+        std::to_string(options.rate) + " baud");
   }
 }
 

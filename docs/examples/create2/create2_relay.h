@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "adapters/formats/files/relay_process.h"
-#include "docs/examples/create2/create2_protocol.h"
+#include "create2_protocol.h"
 #include "models/types.h"
+#include "runtime/relay_process.h"
 
 namespace prospect {
 
@@ -40,8 +40,8 @@ class Create2Relay {
     bool unplugged = false;  ///< instead of a packet: the line is gone
   };
 
-  /// Waits until the base speaks. Throws InputError if the line cannot be opened, or nothing that
-  /// can be understood comes within the patience.
+  /// Waits until the base speaks. Throws std::invalid_argument if the line cannot be opened, or
+  /// nothing that can be understood comes within the patience.
   explicit Create2Relay(const Create2Options& options);
 
   /// `expires` [s] of SteadyClock. False: it was not taken.

@@ -1,4 +1,4 @@
-#include "docs/examples/create2/serial_port.h"
+#include "serial_port.h"
 
 #include <fcntl.h>
 #include <sys/ioctl.h>
@@ -8,8 +8,7 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
-
-#include "adapters/formats/files/input_error.h"
+#include <stdexcept>
 
 namespace prospect {
 namespace {
@@ -23,8 +22,8 @@ speed_t speed_of(const std::string& device, int rate) {
     case 115200:
       return B115200;
     default:
-      throw InputError(device + ": a rate of " + std::to_string(rate) +
-                       " baud; expected 19200, 57600 or 115200");
+      throw std::invalid_argument(device + ": a rate of " + std::to_string(rate) +
+                                  " baud; expected 19200, 57600 or 115200");
   }
 }
 
@@ -35,7 +34,7 @@ SerialPort::SerialPort(const std::string& device, int rate) {
   const auto refuse = [&](const std::string& expected) {
     const std::string what = device + ": " + std::strerror(errno) + "; expected " + expected;
     if (descriptor_ >= 0) ::close(descriptor_);
-    throw InputError(what);
+    throw std::invalid_argument(what);
   };
   descriptor_ = ::open(device.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
   if (descriptor_ < 0) refuse("a serial device that may be read and written");

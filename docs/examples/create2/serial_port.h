@@ -11,8 +11,8 @@ namespace prospect {
 /// else may open it meanwhile. Reading and writing return at once. One thread.
 class SerialPort {
  public:
-  /// Throws InputError: "/dev/ttyUSB0: no such device; expected ...", and for a rate [baud] that
-  /// there is not.
+  /// Throws std::invalid_argument: "/dev/ttyUSB0: no such device; expected ...", and for a rate
+  /// [baud] that there is not.
   SerialPort(const std::string& device, int rate);
   ~SerialPort();
   SerialPort(const SerialPort&) = delete;

@@ -17,16 +17,16 @@ class MyBase final : public Base {
  public:
   // Called by the command thread. A real driver talks to its motors; these do as they are told
   // until a command expires or their dead-man's time is over.
-  std::string name() const noexcept override { return "pretended base"; }
-  std::optional<double> dead_man() const noexcept override { return 0.4; }  // [s]
-  void send(const Twist& command, double expires) noexcept override {
+  std::string name() const override { return "pretended base"; }
+  std::optional<double> dead_man() const override { return 0.4; }  // [s]
+  void send(const Twist& command, double expires) override {
     pose();
     const std::lock_guard lock(mutex_);
     command_ = command;
     expires_ = std::min(expires, moved_ + *dead_man());
   }
-  void stop() noexcept override { send({}, clock_.now()); }
-  BaseReport report() noexcept override {
+  void stop() override { send({}, clock_.now()); }
+  BaseReport report() override {
     pose();
     const std::lock_guard lock(mutex_);
     return {true, moved_, command_, {}, {}};  // connected; no wheel motion, no faults
@@ -80,9 +80,9 @@ int main(int argc, char** argv) {
                     "robot.depth={horizontal_fov: 360, vertical_fov: 0, max_range: 3}",
                     "drive.inbox.poses_in_runtime_clock=true",
                     "drive.inbox.scan_in_runtime_clock=true"};
-  robot.make = [] {
+  robot.make = [](const Options&) {
     const auto base = std::make_shared<MyBase>();
-    return RobotDrivers{.base = base, .sensors = std::make_shared<MySensors>(base)};
+    return RobotDrivers{.base = base, .sensors = {std::make_shared<MySensors>(base)}};
   };
   return run_robot(argc, argv, robot);
 }

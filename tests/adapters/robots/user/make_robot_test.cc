@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "adapters/robots/user/joined_robots.h"
 #include "models/unicycle.h"
 #include "tests/runtime/fake_base.h"
 
@@ -36,10 +37,10 @@ UserRobot user_robot(const std::function<void(const std::stop_token&)>& then) {
   UserRobot user;
   user.name = "mine";
   user.streams = {SensorStream::kPose};
-  user.make = [then] {
+  user.make = [then](const Options&) {
     static const SteadyClock clock;
     return RobotDrivers{.base = std::make_shared<test::FakeBase>(clock),
-                        .sensors = std::make_shared<OnePose>(then)};
+                        .sensors = {std::make_shared<OnePose>(then)}};
   };
   return user;
 }
@@ -99,15 +100,42 @@ TEST(UserRobot, WithoutDriversItIsRefused) {
   UserRobot user = user_robot(wait);
   const auto make = user.make;
   for (const bool base : {false, true}) {
-    user.make = [&] {
-      RobotDrivers drivers = make();
-      base ? drivers.base.reset() : drivers.sensors.reset();
+    user.make = [&](const Options& told) {
+      RobotDrivers drivers = make(told);
+      base ? drivers.base.reset() : drivers.sensors.clear();
       return drivers;
     };
     EXPECT_THROW(made(user), std::invalid_argument);
   }
   user.make = nullptr;
   EXPECT_THROW(made(user), std::invalid_argument);
+}
+
+TEST(UserRobot, OfPartsEachOfWhichBringsWhatTheOtherLacks) {
+  UserRobot base = user_robot(wait), sensors = user_robot(wait);
+  sensors.name = "eyes";
+  sensors.streams = {SensorStream::kPose, SensorStream::kScan};
+  base.options = {{"port", 1, ""}};
+  sensors.options = {{"rate", 2, ""}};
+  base.make = [make = base.make](const Options& told) { return RobotDrivers{make(told).base, {}}; };
+  const UserRobot twice = joined({base, user_robot(wait)});
+  sensors.make = [make = sensors.make](const Options& told) {
+    EXPECT_EQ(std::get<int>(told.at("port")), 7);
+    return RobotDrivers{nullptr, make(told).sensors};
+  };
+  const UserRobot whole = joined({base, sensors});
+  EXPECT_EQ(whole.name, "mine-eyes");
+  EXPECT_EQ(whole.streams, sensors.streams);
+  EXPECT_EQ(whole.options.size(), 2u);
+  UserRobotConfiguration options{.user = whole, .robot = {}};
+  options.robot.model = std::make_shared<const Unicycle>();
+  options.options = {{"port", 7}, {"rate", 2}};
+  const Robot robot = make_robot(options);
+  EXPECT_EQ(robot.base->name(), "fake");
+  // What two of them have is nobody's to choose.
+  EXPECT_THROW(made(twice), std::invalid_argument);
+  sensors.options.front().name = "port";
+  EXPECT_THROW(joined({base, sensors}), std::invalid_argument);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "adapters/formats/files/relay_process.h"
+#include "runtime/relay_process.h"
 
 #include <poll.h>
 #include <sys/socket.h>
@@ -12,9 +12,8 @@
 #include <csignal>
 #include <cstddef>
 #include <cstring>
+#include <stdexcept>
 #include <utility>
-
-#include "adapters/formats/files/input_error.h"
 
 namespace prospect {
 namespace {
@@ -61,7 +60,7 @@ RelayProcess::RelayProcess(const std::string& subject, const std::vector<int>& k
                            const std::function<void(int link)>& work) {
   std::array<int, 2> ends{};
   if (::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends.data()) != 0) {
-    fail(subject, std::string("no link to a relay: ") + std::strerror(errno));
+    throw std::runtime_error(subject + ": no link to a relay: " + std::strerror(errno));
   }
   process_ = ::fork();
   if (process_ == 0) run(kept, ends[1], work);
@@ -70,7 +69,7 @@ RelayProcess::RelayProcess(const std::string& subject, const std::vector<int>& k
   link_ = ends[0];
   if (process_ < 0) {
     ::close(link_);
-    fail(subject, std::string("no process for the relay: ") + std::strerror(error));
+    throw std::runtime_error(subject + ": no process for the relay: " + std::strerror(error));
   }
 }
 

@@ -39,8 +39,8 @@ bool send_on(int link, const Message& message) noexcept {
 class RelayProcess {
  public:
   /// work(link): all that it does; it ends when that returns, and must not throw. Open in it are
-  /// the standard files, the link and `kept`. Throws InputError, `subject` and why, if there is no
-  /// process or no link to be had.
+  /// the standard files, the link and `kept`. Throws std::runtime_error, `subject` and why, if
+  /// there is no process or no link to be had.
   RelayProcess(const std::string& subject, const std::vector<int>& kept,
                const std::function<void(int link)>& work);
   /// Closes the link and waits until it has ended, at most 2 s.

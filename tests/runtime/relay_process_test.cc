@@ -1,4 +1,4 @@
-#include "adapters/formats/files/relay_process.h"
+#include "runtime/relay_process.h"
 
 #include <gtest/gtest.h>
 #include <poll.h>
