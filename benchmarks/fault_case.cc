@@ -31,6 +31,7 @@ struct Sample {
   double path = 0.0, speed = 0.0;
   bool stands = true;
   bool commanded = false;  // the base holds a command
+  bool named = false;      // it is to stop: the drive mode says why
   std::string cause;       // of the drive mode or the command; empty: the plan's command
 };
 
@@ -61,13 +62,15 @@ class Watched final : public BeliefSource {
     const bool drives =
         status.mode.mode == DriveMode::kActive || status.mode.mode == DriveMode::kDegraded;
     sample.commanded = base_.holds_command();
+    sample.named =
+        status.mode.mode == DriveMode::kStopping || status.mode.mode == DriveMode::kStopped;
     if (!drives) {
       sample.cause = to_string(status.mode.cause);
     } else if (status.reason != CommandReason::kPlan) {
       sample.cause = to_string(status.reason);
     }
     samples_.push_back(sample);
-    const double end = one_.fault.from + one_.fault.duration;
+    const double end = one_.faults.front().from + one_.faults.front().duration;
     if (status.mode.mode == DriveMode::kStopped && time > end + one_.patience) {
       driver->requests().acknowledge();
       acknowledged_ = true;
@@ -98,7 +101,7 @@ class Watched final : public BeliefSource {
 
 void judge(const std::vector<Sample>& samples, const FaultCase& one, FaultOutcome& outcome) {
   constexpr double kAfter = 2.0, kAtEnd = 3.0;  // [s]
-  const double from = one.fault.from, end = from + one.fault.duration;
+  const double from = one.faults.front().from, end = from + one.faults.front().duration;
   double path = 0.0, stood_since = -1.0;
   bool stood_at_end = false;
   for (const Sample& sample : samples) {
@@ -106,6 +109,10 @@ void judge(const std::vector<Sample>& samples, const FaultCase& one, FaultOutcom
       path = sample.path;
       outcome.speed = sample.speed;
       continue;
+    }
+    if (sample.named && !outcome.named_time && sample.time <= end) {
+      outcome.named_time = sample.time - from;
+      outcome.named_distance = sample.path - path;
     }
     // What comes first is why it stands.
     if (!outcome.stop_time && outcome.cause.empty()) outcome.cause = sample.cause;
@@ -142,7 +149,7 @@ Configuration fault_drive_configuration(const std::string& world) {
 FaultOutcome drive_with_fault(const std::shared_ptr<const World>& world,
                               const Configuration& configuration, const FaultCase& one) {
   const SimulatedClock clock(kThreads, kStart);
-  const std::vector<InjectedFault> faults = {one.fault};
+  const std::vector<InjectedFault>& faults = one.faults;
   SimulatorOptions simulator_options = configuration.simulator;
   simulator_options.seed = one.seed;
   Simulator simulator(world, simulator_options, configuration.perception);

@@ -12,10 +12,10 @@
 
 namespace prospect {
 
-/// A drive with one fault.
+/// A drive with faults, all for the same time.
 struct FaultCase {
-  InjectedFault fault;
-  double length = 13.0;  ///< [s] of the whole drive
+  std::vector<InjectedFault> faults;  ///< one at least
+  double length = 13.0;               ///< [s] of the whole drive
   /// [s] after the fault is over until a person acknowledges a stop that latches.
   double patience = 1.0;
   std::uint64_t seed = 1;  ///< of the simulator
@@ -30,6 +30,9 @@ struct FaultOutcome {
   /// Why: what the drive mode or the command thread said first from then on; "plan": nothing, the
   /// plan itself stops; "expiry": nothing, the base stopped as commands ceased.
   std::string cause;
+  /// [s] and [m] from the fault until the robot had named what is wrong: until it was to stop;
+  /// none: it was not named while the fault held.
+  std::optional<double> named_time, named_distance;
   /// [s] from the end of the fault until it drove again, if it stood then; none: it did not, or
   /// there was no need to.
   std::optional<double> recovery;

@@ -1,5 +1,6 @@
-// Each fault of the simulated robot, one drive each, as a table (Markdown).
-//   fault_matrix [WORLD] [--fault SOURCE:VERB...] [--from S] [--for S] [--length S] [--seed N]
+// Each fault of the simulated robot, or each pair, one drive each, as a table (Markdown).
+//   fault_matrix [WORLD] [--fault SOURCE:VERB[,SOURCE:VERB]...] [--from S] [--for S] [--length S]
+//   [--seed N]
 //   [--jobs N] [--events]
 // Without --fault: all of them. Drives are of threads on a simulated clock (fault_case.h). "Drives
 // again" counts from the end of the fault. Exit code 1: a contact.
@@ -8,9 +9,11 @@
 #include <cstdio>
 #include <memory>
 #include <optional>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "adapters/formats/files/input_error.h"
@@ -32,9 +35,12 @@ std::string number(const std::optional<double>& value) {
 }
 
 void print_row(const FaultCase& one, const FaultOutcome& o) {
-  std::printf("| `%s` | %.2f | %s | %s | %s | %s | %s | %d |\n", name_of(one.fault).c_str(),
-              o.speed, o.stop_time ? o.cause.c_str() : "drives on", number(o.stop_time).c_str(),
-              number(o.stop_distance).c_str(), number(o.recovery).c_str(),
+  std::string name;
+  for (const InjectedFault& fault : one.faults) name += (name.empty() ? "" : ",") + name_of(fault);
+  std::printf("| `%s` | %.2f | %s | %s | %s | %s | %s | %s | %s | %d |\n", name.c_str(), o.speed,
+              o.stop_time ? o.cause.c_str() : "drives on", number(o.stop_time).c_str(),
+              number(o.stop_distance).c_str(), number(o.named_time).c_str(),
+              number(o.named_distance).c_str(), number(o.recovery).c_str(),
               o.acknowledged ? "acknowledged" : (o.drives_at_end ? "by itself" : "stands"),
               o.contacts);
 }
@@ -65,7 +71,7 @@ int fault_matrix(int argc, char** argv) {
   double from = 5.0, duration = 3.0, length = 13.0;
   ProgramOptions program("Faults of the simulated robot, one drive each, as a table");
   program.add("world", world_name, "Built-in name or file");
-  program.add("--fault", faults, "SOURCE:VERB; without it all of them");
+  program.add("--fault", faults, "SOURCE:VERB, several at once by commas; without it each alone");
   program.add("--from", from, "When a fault begins [s]", {.least = 0.0});
   program.add("--for", duration, "How long it holds [s]", {.least = 0.05});
   program.add("--length", length, "Of a drive [s]", {.least = 1.0});
@@ -74,29 +80,36 @@ int fault_matrix(int argc, char** argv) {
   program.add("--events", events, "Print what the robot said");
   if (const std::optional<int> code = program.parse(argc, argv)) return *code;
   std::vector<FaultCase> cases;
-  const auto add = [&](InjectedFault fault) {
-    fault.from = from;
-    fault.duration = duration;
-    cases.push_back({fault, length});
+  const auto add = [&](std::vector<InjectedFault> together) {
+    for (InjectedFault& fault : together) {
+      fault.from = from;
+      fault.duration = duration;
+    }
+    cases.push_back({std::move(together), length});
     cases.back().seed = static_cast<std::uint64_t>(seed);
   };
   for (const std::string& text : faults) {
     try {
-      add(parse_fault(text));
+      std::vector<InjectedFault> together;
+      std::istringstream names(text);
+      for (std::string name; std::getline(names, name, ',');) together.push_back(parse_fault(name));
+      if (together.empty()) throw std::invalid_argument("'': no fault; expected SOURCE:VERB");
+      add(std::move(together));
     } catch (const std::invalid_argument& e) {
       throw InputError(std::string("--fault: ") + e.what());
     }
   }
   for (const FaultKind& kind : fault_kinds()) {
-    if (faults.empty() && kind.implemented) add({kind.source, kind.verb});
+    if (faults.empty() && kind.implemented) add({{kind.source, kind.verb}});
   }
   const Configuration configuration = fault_drive_configuration(world_name);
   const auto world =
       std::make_shared<const World>(load_world(world_name, world_options_for(configuration)));
   const std::vector<FaultOutcome> outcomes = drive_all(world, configuration, cases, jobs);
   std::printf(
-      "| fault | speed [m/s] | stopped by | after [s] | after [m] | drives again [s] | how | "
-      "contacts |\n|---|---|---|---|---|---|---|---|\n");
+      "| fault | speed [m/s] | stopped by | after [s] | after [m] | named [s] | "
+      "named [m] | drives again [s] | how | contacts "
+      "|\n|---|---|---|---|---|---|---|---|---|---|\n");
   int contacts = 0;
   for (std::size_t i = 0; i < cases.size(); ++i) {
     print_row(cases[i], outcomes[i]);

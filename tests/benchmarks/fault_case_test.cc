@@ -30,7 +30,7 @@ std::map<std::string, FaultOutcome> drive_all(const std::vector<InjectedFault>& 
     const auto drive = [&] {
       for (std::size_t k = next++; k < faults.size(); k = next++) {
         outcomes[k] =
-            drive_with_fault(world, configuration, {.fault = faults[k], .length = kLength});
+            drive_with_fault(world, configuration, {.faults = {faults[k]}, .length = kLength});
       }
     };
     const std::jthread one(drive), other(drive);
