@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <map>
 #include <tuple>
+#include <utility>
 
 #include "models/range_text.h"
 
@@ -42,17 +45,29 @@ void judge(BenchTable& table) {
     }
     table.best.push_back(std::move(best));
   }
+  // Where one row shows that the cost still falls at a bound that nobody stated, none has solved
+  // it.
+  std::map<std::pair<int, int>, double> falls_to;
   for (const BenchRow& row : table.rows) {
+    if (!feasible(row)) continue;
+    if (row.held) {
+      double& least = falls_to.try_emplace({row.set, row.problem}, row.cost).first->second;
+      least = std::min(least, row.cost);
+      continue;
+    }
     BestKnown& best =
         table.best[static_cast<std::size_t>(row.set)][static_cast<std::size_t>(row.problem)];
-    if (feasible(row) && !row.held && row.cost < best.cost) best = {row.cost, table.solver_of(row)};
+    if (row.cost < best.cost) best = {row.cost, table.solver_of(row)};
   }
   for (BenchRow& row : table.rows) {
     constexpr double kNever = std::numeric_limits<double>::infinity();
     row.solved = false;
     row.gap = row.seconds_to_target = row.evaluations_to_target = kNever;
     if (!feasible(row) || row.held) continue;
-    const double best = table.best_of(row).cost;
+    double best = table.best_of(row).cost;
+    if (const auto least = falls_to.find({row.set, row.problem}); least != falls_to.end()) {
+      best = std::min(best, least->second);
+    }
     const SolvedRule rule = table.rule(row);
     row.solved = rule.solved(row.cost, row.violation, best);
     row.gap = rule.gap(row.cost, best);

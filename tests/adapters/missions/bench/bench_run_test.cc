@@ -209,6 +209,12 @@ TEST(BenchRun, MovesBoundsThatNobodyStatedAndSaysWhatIsUnbounded) {
     EXPECT_EQ(row.x[0], unbounded ? -1e8 : -300.0);
     if (unbounded) {
       EXPECT_EQ(row.quality, Quality::kFeasible);
+      // Nor has it been solved by who stops on the way and is the best of them.
+      const BenchTable two = run_bench({set},
+                                       {{"downhill", std::make_shared<Downhill>(end), {}},
+                                        {"stops", std::make_shared<Downhill>(-50.0), {}}},
+                                       {});
+      for (const BenchRow& each : two.rows) EXPECT_FALSE(each.solved);
     }
   }
 }
