@@ -68,7 +68,7 @@ class Laws {
     const double a = model_.max_deceleration();
     const double needed = speed * dt_ + 0.5 * speed * speed / a;
     double free = 0.0;
-    while (free < needed) {
+    for (int place = 0; place < kMostPlaces && free < needed; ++place) {
       // Along the arc that it is on.
       const double next = std::min(free + kSpacing, needed);
       const double half = 0.5 * twist.yaw_rate / speed * next;
@@ -172,6 +172,8 @@ class Laws {
  private:
   static constexpr double kCreep = 0.1;     // share of the largest speed that it may always try
   static constexpr double kSpacing = 0.15;  // [m] between the places that are asked
+  // Farther nothing is asked, and so the speed is one from which it can stop by then: 30 m.
+  static constexpr int kMostPlaces = 200;
 
   const MotionModel& model_;
   const SeedContext& context_;
