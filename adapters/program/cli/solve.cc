@@ -16,8 +16,10 @@
 
 #include "adapters/formats/files/input_error.h"
 #include "adapters/formats/problem_file/problem_file.h"
+#include "adapters/missions/bench/solver_choice.h"
 #include "adapters/missions/config/configuration.h"
 #include "adapters/missions/run/exploration_run.h"
+#include "adapters/program/cli/absent_solver.h"
 #include "adapters/program/cli/commands.h"
 #include "adapters/program/cli/common_options.h"
 #include "adapters/program/cli/configuration_arguments.h"
@@ -32,8 +34,8 @@ namespace {
 struct SolveArguments {
   std::vector<std::string> problems;     ///< problem files, WORLD@STEP
   ConfigurationArguments configuration;  ///< of the missions of WORLD@STEP
-  std::vector<std::string> solvers;      ///< empty: one of each family
-  double deadline = 0.0;                 ///< [s], 0: none
+  std::vector<std::string> solvers;  ///< names, each followed by its options; empty: one of a kind
+  double deadline = 0.0;             ///< [s], 0: none
   int max_evaluations = 400;
   std::uint64_t seed = 1;
   bool json = false;
@@ -192,12 +194,7 @@ int solve(const SolveArguments& arguments, const Registries& registries, SignalG
                          arguments.configuration.settings(), ConfigurationUse::kExplore);
   std::vector<std::string> names = arguments.solvers;
   if (names.empty()) names = {"ipopt", "nlopt:LD_SLSQP", "nlopt:LD_LBFGS", "sampling"};
-  std::vector<std::shared_ptr<const Solver>> solvers;
-  for (const std::string& name : names) {
-    const std::string wrong = solver_problem(name, registries.solvers);
-    if (!wrong.empty()) throw InputError("--solver: " + wrong);
-    solvers.push_back(registries.solvers.make(name));
-  }
+  const std::vector<SolverChoice> solvers = choose_solvers(names, registries.solvers);
 
   // All of them before any is solved: a bad one is refused with nothing printed.
   Progress progress(arguments.quiet);
@@ -224,27 +221,26 @@ int solve(const SolveArguments& arguments, const Registries& registries, SignalG
 
   signals.note();  // not before: until here nothing is solved
   const std::function<bool()> cancelled = signals.came();
-  bool any_feasible = false, all_absent = true;
+  bool any_feasible = false;
   nlohmann::ordered_json json = nlohmann::ordered_json::array();
   for (const NamedProblem& named : problems) {
-    Options options;
-    options["max_evaluations"] = arguments.max_evaluations;
-    options["seed"] = static_cast<int>(arguments.seed);
     std::vector<std::pair<std::string, Result>> rows;
-    for (const auto& solver : solvers) {
+    for (const SolverChoice& choice : solvers) {
+      Options options = choice.options;
+      options.try_emplace("max_evaluations", arguments.max_evaluations);
+      options.try_emplace("seed", static_cast<int>(arguments.seed));
       StopCondition stop =
           arguments.deadline > 0.0 ? deadline(arguments.deadline) : StopCondition();
       stop = stop || cancelled_by(cancelled);
-      rows.emplace_back(solver->name(),
-                        solver->solve(*named.problem, named.warm_start, options, stop));
+      rows.emplace_back(choice.label,
+                        choice.solver->solve(*named.problem, named.warm_start, options, stop));
       if (cancelled()) {
         rows.pop_back();  // not what it would have found
         break;
       }
       const Result& r = rows.back().second;
       any_feasible |= r.quality == Quality::kFeasible || r.quality == Quality::kFeasibleOptimum;
-      if (r.quality != Quality::kNone) all_absent = false;
-      nlohmann::ordered_json row = to_json(solver->name(), r);
+      nlohmann::ordered_json row = to_json(choice.label, r);
       if (problems.size() > 1) row["problem"] = named.name;
       json.push_back(std::move(row));
     }
@@ -264,7 +260,11 @@ int solve(const SolveArguments& arguments, const Registries& registries, SignalG
     std::cerr << "prospect: cancelled; the solves that were done are shown\n";
     return kCancelled;
   }
-  if (all_absent) return kNotBuiltIn;
+  if (std::all_of(solvers.begin(), solvers.end(), [&](const SolverChoice& choice) {
+        return is_absent(choice.solver->name(), registries.solvers);
+      })) {
+    return kNotBuiltIn;
+  }
   return any_feasible ? kDone : kFailed;
 }
 
@@ -282,7 +282,9 @@ Command solve_command(CLI::App& program) {
       ->type_name("PROBLEM")
       ->required();
   add_configuration(command, arguments.configuration, " of the mission of WORLD@STEP");
-  command->add_option("--solver", arguments.solvers, "Back ends, separated by commas")
+  command
+      ->add_option("--solver", arguments.solvers,
+                   "Back ends, separated by commas; NAME,OPTION=VALUE sets an option of one")
       ->type_name("SOLVER")
       ->delimiter(',')
       ->allow_extra_args(false);
