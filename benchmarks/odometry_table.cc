@@ -1,26 +1,41 @@
-// odometry_table [STEREO]: the visual odometry over recordings, as a table in Markdown. STEREO is
-// the folder that holds kitti_seq1, euroc_v101_start_static and tartan_hospital_a; without it only
-// the rendered sequences (rendered_sequence.h) are run, 0 to 23 and 24 to 47, which count together
-// each: medians of their errors, all their frames; with the calibration that made the images, by an
-// odometry that takes it for a usual one and by one that is told that it is exact, and with one
-// that is off by what the odometry's covariance allows it. NEES is the squared error over the
-// claimed variance, a degree of freedom. Times are of the processor, all of a frame; all other
-// numbers are the same for the same arguments.
+// odometry_table [CLIP...] [--pieces N] [--sequences N] [--set KEY=VALUE...]: the visual odometry
+// over recordings, as a table in Markdown. CLIP is what `prospect odometry` reads; "CLIP@12" begins
+// at frame 12. With --pieces, each is also run in so many pieces that overlap by half, each by an
+// odometry of its own. Then rendered sequences (rendered_sequence.h), which count together: medians
+// of their errors, all their frames; with the calibration that made the images, by an odometry that
+// takes it for a usual one and by one that is told that it is exact, and with one that is off by
+// what the odometry's covariance allows it.
+//
+// NEES is the squared error over the claimed variance, a degree of freedom: 1 if true. Of the pose
+// against the first, and of the motion over 5, 10 and 20 frames; of the latter also by the planner
+// (OdometryCalibration). A frame is wrong if its position is off by more than 5 cm and by more than
+// four of the standard deviations claimed, the root of the trace; the last column counts those that
+// are ok, and those that are not, with the largest ratio of error to claim where the error is over
+// 5 cm. Where the truth is bad, so are these numbers. Times are of the processor, all of a frame;
+// all other numbers are the same for the same arguments.
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <iterator>
 #include <optional>
 #include <random>
 #include <string>
 #include <vector>
 
+#include "adapters/formats/files/strict_yaml.h"
+#include "adapters/missions/config/configuration.h"
+#include "adapters/missions/recordings/odometry_calibration.h"
 #include "adapters/missions/recordings/odometry_run.h"
 #include "benchmarks/guarded_main.h"
 #include "benchmarks/program_options.h"
 #include "benchmarks/rendered_sequence.h"
 #include "engine/support/quantile.h"
+#include "models/knobs.h"
 
 namespace prospect {
 namespace {
@@ -38,9 +53,31 @@ std::string number(double value, const char* format) {
   return text;
 }
 
+constexpr double kWrongError = 0.05, kWrongSigmas = 4.0;
+
+/// Frames whose position is off by more than is claimed.
+struct WrongFrames {
+  int ok = 0, other = 0;
+  double worst = 0.0;  ///< error over claim, of all that are off by more than kWrongError
+
+  void add(const OdometryFrame& frame, const Eigen::Isometry3d& truth) {
+    if (frame.state == Localization::kLost) return;
+    const double error = (frame.T_WC.translation() - truth.translation()).norm();
+    if (!(error > kWrongError)) return;
+    const double ratio = error / std::sqrt(frame.covariance.topLeftCorner<3, 3>().trace());
+    worst = std::max(worst, ratio);
+    if (ratio > kWrongSigmas) ++(frame.state == Localization::kOk ? ok : other);
+  }
+};
+
+struct Consistency {
+  ConsistencyResult own;
+  std::vector<PoseConsistency> planner;
+};
+
 void print_row(const std::string& name, const std::vector<OdometryRun>& runs,
-               const ConsistencyResult& consistency) {
-  std::vector<double> end, share, rpe;
+               const Consistency& consistency, const WrongFrames& wrong) {
+  std::vector<double> end, share, turn;
   int ok = 0, degraded = 0, lost = 0, keyframes = 0;
   std::vector<double> times;
   for (const OdometryRun& run : runs) {
@@ -48,7 +85,7 @@ void print_row(const std::string& name, const std::vector<OdometryRun>& runs,
     end.push_back(1e3 * s.end.translation);
     // Of a camera that hardly moves a share says nothing.
     if (s.true_length > 0.1) share.push_back(100.0 * s.end.share);
-    rpe.push_back(100.0 * s.rpe_1m.translation);
+    turn.push_back(s.end.rotation / kRadiansPerDegree);
     ok += s.ok;
     degraded += s.degraded;
     lost += s.lost;
@@ -58,23 +95,54 @@ void print_row(const std::string& name, const std::vector<OdometryRun>& runs,
   const auto nees = [](const PoseConsistency& c) {
     return number(c.count > 0 ? c.mean : std::nan(""), "%.2f");
   };
-  std::printf("| %s | %s mm, %s %% | %s %% | %s ", name.c_str(),
-              number(median(end), "%.1f").c_str(), number(median(share), "%.2f").c_str(),
-              number(median(rpe), "%.2f").c_str(), nees(consistency.pose).c_str());
-  for (const ConsistencyResult::Motion& m : consistency.motions) {
+  std::printf("| %s | %s mm, %s %%, %s | %s ", name.c_str(), number(median(end), "%.1f").c_str(),
+              number(median(share), "%.2f").c_str(), number(median(turn), "%.2f").c_str(),
+              nees(consistency.own.pose).c_str());
+  for (const ConsistencyResult::Motion& m : consistency.own.motions) {
     std::printf("| %s ", nees(m.consistency).c_str());
   }
+  for (std::size_t i = 0; i < 3; ++i) {
+    std::printf("%s%s", i == 0 ? "| " : ", ",
+                i < consistency.planner.size() ? nees(consistency.planner[i]).c_str() : "-");
+  }
   const TimePercentiles ms = percentiles(times);
-  std::printf("| %d / %d / %d | %d | %.1f, %.1f |\n", ok, degraded, lost, keyframes, ms.p50,
-              ms.p95);
+  std::printf(" | %d / %d / %d | %d | %.1f, %.1f | %d, %d (%.1f) |\n", ok, degraded, lost,
+              keyframes, ms.p50, ms.p95, wrong.ok, wrong.other, wrong.worst);
   std::fflush(stdout);
 }
 
-void recording(const std::string& name, const std::string& path, int first) {
-  const StereoDataset dataset = StereoDataset::open(path, {});
+void recording(const std::string& name, const StereoDataset& dataset,
+               const StereoOdometryOptions& options, int first, int frames) {
+  OdometryCalibration calibration(dataset.camera(), options);
+  WrongFrames wrong;
   std::vector<OdometryRun> runs;
-  runs.push_back(run_odometry(dataset, {}, first));
-  print_row(name, runs, runs.front().consistency);
+  runs.push_back(run_odometry(dataset, options, first, frames, [&](const OdometryStep& step) {
+    calibration.add(step.odometry, step.frame, step.true_T_WC);
+    if (step.true_T_WC) wrong.add(step.frame, *step.true_T_WC);
+  }));
+  print_row(name, runs, {runs.front().consistency, calibration.result().motion}, wrong);
+}
+
+/// A recording as "PATH" or "PATH@FIRST", all of it and in pieces that overlap by half.
+void recordings(const std::string& clip, const StereoOdometryOptions& options, int pieces) {
+  const std::size_t at = clip.rfind('@');
+  const std::string path = clip.substr(0, at);
+  int first = 0;
+  if (at != std::string::npos) first = std::max(0, std::atoi(clip.c_str() + at + 1));
+  const StereoDataset dataset = StereoDataset::open(path, {});
+  const std::string name = std::filesystem::path(path).filename().string();
+  const int frames = std::max(0, dataset.size() - first);
+  const auto called = [&](int from) {
+    return from == 0 ? name : name + " from " + std::to_string(from);
+  };
+  recording(called(first), dataset, options, first, frames);
+  if (pieces < 2) return;
+  // n pieces of length l that overlap by half cover (n + 1) l / 2.
+  const int half = frames / (pieces + 1);
+  for (int i = 0; i < pieces; ++i) {
+    recording(called(first + i * half) + ", " + std::to_string(2 * half), dataset, options,
+              first + i * half, 2 * half);
+  }
 }
 
 /// A calibration of this camera that is off by what its covariance says: drawn for the sequence.
@@ -96,66 +164,79 @@ StereoCamera drawn_calibration(StereoCamera camera, int number) {
   return camera;
 }
 
-/// Options of an odometry that is told that its calibration is exact. The disparities' zero, which
-/// also takes up what images do to all disparities alike, is estimated all the same.
-StereoOdometryOptions of_exact_calibration() {
-  StereoOdometryOptions options;
-  options.calibration = {0.0, 0.0, 0.0};
-  return options;
-}
-
-void rendered(int first, int last) {
+/// Sequences 0 to `sequences` - 1.
+void rendered(const StereoOdometryOptions& options, int sequences) {
   constexpr int kFrames = 40;
-  constexpr std::size_t kWays = 3;
   const StereoCamera camera = RenderedSequence::camera();
-  OdometryConsistency consistency[kWays];
-  std::vector<OdometryRun> runs[kWays];
-  for (int s = first; s <= last; ++s) {
+  // The disparities' zero, which also takes up what images do to all disparities alike, is
+  // estimated all the same.
+  StereoOdometryOptions exact = options;
+  exact.calibration = {0.0, 0.0, 0.0};
+  struct Way {
+    std::string name;
+    StereoOdometryOptions options;
+    bool drawn;
+    OdometryConsistency consistency = {};
+    OdometryCalibration calibration = {RenderedSequence::camera(), {}};
+    WrongFrames wrong = {};
+    std::vector<OdometryRun> runs = {};
+  };
+  Way ways[] = {{"rendered", options, false},
+                {"rendered, calibration said to be exact", exact, false},
+                {"rendered, calibration drawn", options, true}};
+  for (int s = 0; s < sequences; ++s) {
     const RenderedSequence sequence(s, kFrames);
-    StereoOdometry odometry[kWays] = {
-        StereoOdometry(camera, {}, sequence.path()[0]),
-        StereoOdometry(camera, of_exact_calibration(), sequence.path()[0]),
-        StereoOdometry(drawn_calibration(camera, s), {}, sequence.path()[0])};
-    OdometryRun run[kWays];
-    for (OdometryConsistency& c : consistency) c.begin_recording();
+    std::vector<StereoOdometry> odometry;
+    for (Way& way : ways) {
+      odometry.emplace_back(way.drawn ? drawn_calibration(camera, s) : camera, way.options,
+                            sequence.path()[0]);
+      way.consistency.begin_recording();
+      way.calibration.begin_recording();
+      way.runs.emplace_back();
+    }
     for (int k = 0; k < kFrames; ++k) {
       const auto pair = sequence.render(camera, k);
       const double stamp = RenderedSequence::kPeriod * k;
       const Eigen::Isometry3d& truth = sequence.path()[static_cast<std::size_t>(k)];
-      for (std::size_t c = 0; c < kWays; ++c) {
-        run[c].frames.push_back(odometry[c].process(stamp, pair.left.view(), pair.right.view()));
-        const OdometryFrame& frame = run[c].frames.back();
-        consistency[c].add(odometry[c], frame, truth);
+      for (std::size_t w = 0; w < std::size(ways); ++w) {
+        OdometryRun& run = ways[w].runs.back();
+        run.frames.push_back(odometry[w].process(stamp, pair.left.view(), pair.right.view()));
+        const OdometryFrame& frame = run.frames.back();
+        ways[w].consistency.add(odometry[w], frame, truth);
+        ways[w].calibration.add(odometry[w], frame, truth);
+        ways[w].wrong.add(frame, truth);
         if (frame.state == Localization::kLost) continue;
-        run[c].trajectory.push_back({stamp, frame.T_WC});
-        run[c].pairs.push_back({stamp, frame.T_WC, truth});
+        run.trajectory.push_back({stamp, frame.T_WC});
+        run.pairs.push_back({stamp, frame.T_WC, truth});
       }
     }
-    for (std::size_t c = 0; c < kWays; ++c) runs[c].push_back(std::move(run[c]));
   }
-  const std::string name = "rendered, " + std::to_string(first) + " to " + std::to_string(last);
-  print_row(name, runs[0], consistency[0].result());
-  print_row(name + ", calibration said to be exact", runs[1], consistency[1].result());
-  print_row(name + ", calibration drawn", runs[2], consistency[2].result());
+  for (const Way& way : ways) {
+    print_row(way.name, way.runs, {way.consistency.result(), way.calibration.result().motion},
+              way.wrong);
+  }
 }
 
 int main_program(int argc, char** argv) {
-  std::string folder;
+  std::vector<std::string> clips, settings;
+  int pieces = 0, sequences = 24;
   ProgramOptions program("The visual odometry over recordings, as a table");
-  program.add("stereo", folder, "Folder of the recordings");
+  program.add("clips", clips, "Recordings; PATH@12 begins at frame 12");
+  program.add("--pieces", pieces, "Run each recording in so many pieces, too",
+              {.least = 0, .most = 100});
+  program.add("--sequences", sequences, "Rendered sequences", {.least = 0, .most = 1000});
+  program.add("--set", settings, "Of perception.odometry, such as pose.huber=2");
   if (const auto end = program.parse(argc, argv)) return *end;
+  std::vector<YamlSetting> all;
+  for (const std::string& s : settings) all.emplace_back("perception.odometry." + s);
+  const StereoOdometryOptions options =
+      read_perception("", all, {}, ConfigurationUse::kOdometry).odometry;
   std::printf(
-      "| | end error | per 1 m | NEES: pose | 5 frames | 10 | 20 | ok / degraded / lost | "
-      "keyframes "
-      "| ms p50, p95 |\n|---|---|---|---|---|---|---|---|---|---|\n");
-  if (!folder.empty()) {
-    recording("KITTI clip", folder + "/kitti_seq1", 0);
-    recording("KITTI clip from 12", folder + "/kitti_seq1", 12);
-    recording("EuRoC at rest", folder + "/euroc_v101_start_static", 0);
-    recording("TartanAir hospital", folder + "/tartan_hospital_a", 0);
-  }
-  rendered(0, 23);
-  rendered(24, 47);
+      "| | end error, deg | NEES: pose | 5 frames | 10 | 20 | planner 5, 10, 20 | ok / degraded / "
+      "lost | keyframes | ms p50, p95 | wrong ok, others (worst) |\n"
+      "|---|---|---|---|---|---|---|---|---|---|---|\n");
+  for (const std::string& clip : clips) recordings(clip, options, pieces);
+  if (sequences > 0) rendered(options, sequences);
   return 0;
 }
 
