@@ -4,6 +4,7 @@
 #include <chrono>
 #include <limits>
 #include <memory>
+#include <string>
 #include <thread>
 #include <utility>
 
@@ -40,7 +41,7 @@ void bring_to_rest(LockstepRobot& robot, const Guard& guard, const MissionOption
     command =
         guard.stop_commands(in_force.plan.get(), belief->pose, command, *belief, kStep).front();
     apply(robot, options, command, is_zero(command) ? 0.0 : kStep);
-    if (is_zero(command)) return;
+    if (is_zero(command) || !robot.fault().empty()) return;
   }
 }
 
@@ -90,6 +91,11 @@ MissionResult explore(LockstepRobot& robot, Replanner& planner, const Guard& gua
                                   ? wait_for(robot, guard, options, *requests, progress, in_force)
                                   : options.cancelled && options.cancelled();
     const std::shared_ptr<const Belief> belief = robot.sense();
+    if (const std::string fault = robot.fault(); !fault.empty()) {
+      progress.result.end = MissionEnd::kRobotLost;
+      progress.result.detail = fault;
+      return progress.result;
+    }
     if (progress.over_before(*belief, robot.time(), is_cancelled)) return progress.result;
     if (!options.observers.empty()) {
       if (const CameraPicture picture = robot.picture(); picture.image) {

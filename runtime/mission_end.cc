@@ -11,7 +11,8 @@ using End = MissionEnd;
 
 constexpr std::array kMissionEnds = {
     MissionEndRow{End::kExplored, "explored",
-                  "No frontier is left that can be reached and would show anything.", Outcome::kDone},
+                  "No frontier is left that can be reached and would show anything.",
+                  Outcome::kDone},
     MissionEndRow{End::kYieldTooLow, "yield too low",
                   "What is left and can be reached shows too little for its path.", Outcome::kDone},
     MissionEndRow{End::kUnreachable, "unreachable",
@@ -38,6 +39,8 @@ constexpr std::array kMissionEnds = {
     MissionEndRow{End::kCancelled, "cancelled", "A signal or a person ended it.",
                   Outcome::kCancelled},
     MissionEndRow{End::kNotFit, "not fit to drive", "A check before the first motion has failed.",
+                  Outcome::kFailed},
+    MissionEndRow{End::kRobotLost, "robot lost", "Its simulation does not answer any more.",
                   Outcome::kFailed},
     MissionEndRow{End::kUnexplained, "ended without a cause",
                   "The planner says that it is done, and not why: a fault of the planner.",

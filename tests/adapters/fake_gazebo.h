@@ -42,7 +42,12 @@ inline bool soon(const std::function<bool()>& done) {
 /// that listens, over loopback: the same wire, another writer.
 class FakeGazebo {
  public:
-  FakeGazebo() : master_(listen(master_port_)), data_(listen(data_port_)) {
+  /// What it says to a message of somebody else's topic: messages by topic. Called by its thread.
+  using Answers = std::vector<std::pair<std::string, std::string>>;
+  using Answer = std::function<Answers(const std::string& topic, std::string_view message)>;
+
+  explicit FakeGazebo(Answer answer = {})
+      : answer_(std::move(answer)), master_(listen(master_port_)), data_(listen(data_port_)) {
     thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
   }
   ~FakeGazebo() {
@@ -66,9 +71,7 @@ class FakeGazebo {
   }
   void publish(const std::string& topic, const std::string& bytes) {
     const std::lock_guard lock(mutex_);
-    for (Link& link : links_) {
-      if (link.topic == topic) link.stream.send(bytes);
-    }
+    send(topic, bytes);
   }
   int subscribers(const std::string& topic) {
     const std::lock_guard lock(mutex_);
@@ -104,6 +107,12 @@ class FakeGazebo {
     std::string topic;
     FrameStream stream;
   };
+
+  void send(const std::string& topic, const std::string& bytes) {
+    for (Link& link : links_) {
+      if (link.kind == Link::kReader && link.topic == topic) link.stream.send(bytes);
+    }
+  }
 
   static int listen(int& port) {
     sockaddr_in address{};
@@ -155,6 +164,10 @@ class FakeGazebo {
 
   void take(Link& link, std::string_view frame) {
     if (link.kind == Link::kWriter) {
+      if (answer_) {
+        for (const auto& [topic, bytes] : answer_(link.topic, frame)) send(topic, bytes);
+      }
+      if (!link.topic.ends_with("/vel_cmd")) return;
       gazebo::msgs::Pose velocity;
       if (!velocity.ParseFromArray(frame.data(), static_cast<int>(frame.size()))) return;
       velocities_.emplace_back(
@@ -178,7 +191,7 @@ class FakeGazebo {
       FrameStream to =
           FrameStream::connect(given.host(), static_cast<int>(given.port()), 1.0, 1 << 20);
       to.send(packet("sub", ask));
-      links_.push_back({Link::kWriter, "", std::move(to)});
+      links_.push_back({Link::kWriter, given.topic(), std::move(to)});
     }
   }
 
@@ -201,6 +214,7 @@ class FakeGazebo {
     }
   }
 
+  const Answer answer_;
   int master_port_ = 0, data_port_ = 0;
   int master_, data_;
   std::mutex mutex_;

@@ -94,6 +94,9 @@ GAZEBO_MASTER_URI=127.0.0.1:1 refused "an address of Gazebo that is none" GAZEBO
   drive --base gazebo --out none
 refused "a fault over DDS" --fault "expected it with --base simulator|gazebo" drive --base dds \
   --fault depth:off --out none
+refused "a stepped simulator" --lockstep "expected it with --base gazebo" drive office --lockstep --out none
+refused "a fault in lockstep" --fault "expected it without --lockstep" drive --base gazebo --lockstep \
+  --fault depth:off --out none
 refused "a measured simulator" --measure "expected it with --base gazebo" drive office --measure \
   --out none
 refused "no topics" --ros "expected the file" drive --base dds --out none

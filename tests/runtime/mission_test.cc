@@ -33,7 +33,7 @@ class FakeRobot final : public LockstepRobot {
   void apply(const Twist& command, double duration) override {
     commands.push_back(command);
     durations.push_back(duration);
-    if (duration > 0.0) {
+    if (duration > 0.0 && lost.empty()) {
       Eigen::VectorXd next(model_->nx());
       model_->step(model_->state(belief.pose, command), model_->input(command), duration, next);
       belief.pose = model_->pose(next);
@@ -42,9 +42,11 @@ class FakeRobot final : public LockstepRobot {
     belief.twist = command;
   }
   double time() const override { return clock; }
+  std::string fault() const override { return lost; }
   CameraPicture picture() override { return {shows, {}}; }
 
   std::shared_ptr<const Image> shows;
+  std::string lost;  // its time stands then
   Belief belief;
   double clock = 100.0;
   double lag = 0.0;  // age of what is sensed
@@ -223,6 +225,17 @@ TEST_F(Mission, WhatDoesNotFitEndsIt) {
   EXPECT_EQ(result.end, MissionEnd::kNotFit);
   EXPECT_EQ(result.detail, planner_.detail);
   EXPECT_EQ(result.steps, 1);
+}
+
+TEST_F(Mission, ARobotThatIsLostEndsIt) {
+  robot_.on_sense = [](FakeRobot& robot) {
+    if (robot.clock > 102.0) robot.lost = "its server has gone";
+  };
+  const MissionResult result = run_mission(robot_, planner_, guard_, options_);
+  EXPECT_EQ(result.end, MissionEnd::kRobotLost);
+  EXPECT_EQ(result.detail, "its server has gone");
+  EXPECT_FALSE(result.done());
+  EXPECT_LE(robot_.clock, 103.0);
 }
 
 TEST_F(Mission, TellsOfCommandsAndPictures) {

@@ -77,6 +77,11 @@ grep -qx libeigen3-dev "$work/asked" || fail "libeigen3-dev was not asked for"
 grep -q chromium "$work/asked" && fail "the browser was asked for without --tests"
 setup --tests
 grep -qx chromium "$work/asked" || fail "--tests did not ask for the browser"
+# Whatever scripts/gazebo looks for at its beginning.
+setup --gazebo
+while IFS=: read -r _ package; do
+  grep -qx "$package" "$work/asked" || [[ "$package" =~ ^(dpkg|apt)$ ]] || fail "--gazebo did not ask for $package"
+done < <(grep -m1 'for tool in' "$root/scripts/debian_folder" | grep -oE '[a-z-]+:[a-z-]+')
 
 absent="libfcl-dev liboctomap-dev"
 setup
@@ -159,6 +164,8 @@ present=yes gazebo install "$gazebo_dir"
 world="$work/a world.sdf"
 gazebo start "$world" "$gazebo_dir"
 one_line 2 "a world.sdf" "a world that is not there"
+gazebo start --paused "$world" "$gazebo_dir"
+one_line 2 "a world.sdf" "a world that is not there, paused"
 echo '<sdf/>' >"$world"
 gazebo start "$world" "$gazebo_dir"
 one_line 1 "no Gazebo in" "start before install"

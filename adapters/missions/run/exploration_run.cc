@@ -12,14 +12,11 @@
 #include "adapters/formats/files/input_error.h"
 #include "adapters/formats/worlds/octree_file.h"
 #include "adapters/missions/run/live_mission.h"
-#include "adapters/missions/run/run_recorder.h"
+#include "adapters/missions/run/lockstep_mission.h"
 #include "adapters/robots/simulator/make_robot.h"
 #include "engine/planner/frontier_planner_options.h"
-#include "engine/planner/planner_guard.h"
-#include "engine/planner/replanner.h"
 #include "engine/task/zone_map.h"
 #include "models/range_text.h"
-#include "runtime/mission.h"
 
 namespace prospect {
 namespace {
@@ -169,21 +166,8 @@ ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
     return live_mission(make_robot(simulated), configuration, limits, &reachable, options);
   }
 
-  const std::unique_ptr<Replanner> planner = planner_for(configuration, options);
   SimulatedLockstep robot(simulated);
-  const Guard guard = guard_for(configuration.robot, configuration.planner, limits);
-  RunRecorder recorder(configuration, options.seed, options.keep_steps);
-  MissionOptions mission = mission_options_for(configuration);
-  mission.cancelled = options.cancelled;
-  mission.truth = &robot;
-  start_records(recorder, configuration, options, mission);
-  robot.watched_by(mission.observers);
-  const MissionResult end = run_mission(robot, *planner, guard, mission, options.requests);
-  ExplorationRunResult result;
-  result.record = recorder.finish(end, world->name, &robot, &reachable);
-  result.map = robot.sense()->octree;
-  result.complaint = robot.complaint();
-  return result;
+  return lockstep_mission(robot, {world->name, &robot, &reachable}, configuration, limits, options);
 }
 
 }  // namespace prospect

@@ -8,10 +8,11 @@
 
 namespace prospect {
 
-/// A mission in the Gazebo that runs, in real time, with this project's own perception: stereo
-/// pairs, depth images and wheel motion become the belief. Of what Gazebo knows to be true the pose
-/// at the start is taken, and nothing else: the robot begins with that pose, and with the place
-/// that its body takes up free, as of a robot that was put down where there is room.
+/// A mission in the Gazebo that runs, in real time (options.real_time), or in one that stands and
+/// is stepped by the mission, in lockstep (stepped_gazebo.h); with this project's own perception:
+/// stereo pairs, depth images and wheel motion become the belief. Of what Gazebo knows to be true
+/// the pose at the start is taken, and nothing else: the robot begins with that pose, and with the
+/// place that its body takes up free, as of a robot that was put down where there is room.
 ///
 /// measured: null, or the world that Gazebo runs, as World: then the truth measures, and what the
 /// robot has seen, how far its estimate is off, and contacts are in the records; else they are

@@ -13,7 +13,7 @@ struct RunStart {
   /// "" where nobody knows the world.
   std::string world_source, world_hash;
   std::uint64_t seed = 0;
-  bool real_time = false;       ///< by threads on a clock; else in lockstep
+  bool real_time = false;       ///< not the simulator in lockstep, which alone is driven again
   std::string command_line;     ///< as a shell reads it
   std::string version;          ///< of the program
   std::string commit;           ///< in full; "" if it was built without git

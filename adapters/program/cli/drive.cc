@@ -20,6 +20,7 @@ struct DriveArguments {
   std::vector<std::string> base = {"simulator"};
   std::string ros;                  ///< file of topics, of "dds"
   std::vector<std::string> faults;  ///< injected_fault.h
+  bool lockstep = false;            ///< Gazebo is stepped
   bool measure = false;             ///< Gazebo's truth measures, against mission.world
 };
 
@@ -59,6 +60,13 @@ int drive(const DriveArguments& arguments, const Invocation& in) {
   logged.log = true;
   MissionBase base;
   const std::vector<InjectedFault> faults = parsed_faults(arguments.faults);
+  if (arguments.lockstep && name != "gazebo") {
+    throw InputError("--lockstep: given with --base " + name +
+                     "; expected it with --base gazebo, or prospect explore");
+  }
+  if (arguments.lockstep && arguments.mission.check) {
+    throw InputError("--lockstep: given with --check; expected a robot in real time");
+  }
   if (name == "dds") {
     if (!faults.empty()) {
       throw InputError("--fault: nothing stands between; expected it with --base simulator|gazebo");
@@ -77,7 +85,11 @@ int drive(const DriveArguments& arguments, const Invocation& in) {
   }
   base.gazebo = name == "gazebo";
   base.measure = arguments.measure;
-  base.real_time.emplace(RealTimeRun{faults});
+  base.lockstep = arguments.lockstep;
+  if (arguments.lockstep && !faults.empty()) {
+    throw InputError("--fault: in lockstep nothing breaks; expected it without --lockstep");
+  }
+  if (!arguments.lockstep) base.real_time.emplace(RealTimeRun{faults});
   if (!base.gazebo && arguments.measure) {
     throw InputError(
         plugin ? "--measure: nobody knows what is true; expected it with --base gazebo"
@@ -116,6 +128,9 @@ Command drive_command(CLI::App& program) {
       });
   command->add_option("--ros", arguments.ros, "With --base dds: the robot's topics (YAML)")
       ->type_name("FILE");
+  command->add_flag("--lockstep", arguments.lockstep,
+                    "With --base gazebo: its world stands while perception and planner work, and "
+                    "is stepped by the mission: no machine is too slow for it");
   command->add_flag("--measure", arguments.measure,
                     "With --base gazebo: measure by Gazebo's truth, against WORLD, which it "
                     "runs; nothing else is taken from it but the start");

@@ -405,7 +405,7 @@ int mission(const ExploreArguments& arguments, const Registries& registries,
       const bool real_time = base.in_real_time();
       MissionLogOptions log_options{
           message_options(effective, base), arguments.log_images, real_time, {}};
-      log_options.file.wait = !real_time;
+      log_options.file.wait = !real_time || base.lockstep;
       log.emplace(file, start, log_options);
       if (const std::string wrong = log->error(); !wrong.empty()) {
         throw InputError(file + ": cannot be written (" + wrong + "); expected a writable folder");

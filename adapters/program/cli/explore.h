@@ -39,6 +39,7 @@ struct ExploreArguments {
 /// What drives the robot of a mission.
 struct MissionBase {
   bool gazebo = false;              ///< the Gazebo that runs, in real time; else the simulator
+  bool lockstep = false;            ///< that Gazebo is stepped, instead
   bool measure = false;             ///< Gazebo's truth measures, against arguments.world
   std::optional<DdsOptions> dds;    ///< a robot behind topics of ROS 2, in real time
   const UserRobot* user = nullptr;  ///< the program's own, in real time; null: none

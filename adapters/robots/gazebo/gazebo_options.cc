@@ -30,6 +30,7 @@ void check(const GazeboOptions& options) {
   positive("wheel_separation", options.wheel_separation);
   positive("dead_man", options.dead_man);
   positive("period", options.period);
+  positive("silence", options.silence);
   positive("timeout", options.address.timeout);
   named("model", options.model);
   named("link", options.link);

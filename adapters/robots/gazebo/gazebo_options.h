@@ -25,8 +25,10 @@ struct GazeboOptions {
   double wheel_separation = 0.32;           ///< [m] between the wheels' middles
   /// The plug-in turns to the right for a positive yaw rate, as it came with version 11.
   bool turned_yaw = true;
-  double dead_man = 0.3;                 ///< [s] > 0 of silence after which the relay stops
-  double period = 0.02;                  ///< [s] > 0 in which the relay looks, and repeats a stop
+  double dead_man = 0.3;  ///< [s] > 0 of silence after which the relay stops
+  double period = 0.02;   ///< [s] > 0 in which the relay looks, and repeats a stop
+  /// [s] > 0 of the machine without an answer after which a world that is stepped is lost.
+  double silence = 60.0;
   DepthRange depth_range = {0.2, 10.0};  ///< [m] outside of which a depth image says nothing
 };
 

@@ -17,6 +17,8 @@ void describe(Knobs& knobs, GazeboOptions& o) {
                "of silence after which the relay stops the base");
   knobs.number("period", o.period, {0.001, 1.0}, "s",
                "in which the relay looks, and repeats a stop");
+  knobs.number("silence", o.silence, {0.1, 3600.0}, "s",
+               "of the machine without an answer after which a world in lockstep is lost");
 }
 
 }  // namespace prospect

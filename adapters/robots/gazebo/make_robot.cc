@@ -34,16 +34,6 @@ GazeboTruth::Stamped first_pose(GazeboTruth& truth, const GazeboOptions& options
                    " s; expected a model of that name in a world that runs");
 }
 
-/// As Gazebo renders it: square pixels, the principal point in the middle.
-PinholeCamera depth_camera_of(const RobotDescription& robot, const GazeboOptions& options) {
-  const int width = options.depth_width;
-  const int height = static_cast<int>(std::lround(width * std::tan(0.5 * robot.depth.vertical_fov) /
-                                                  std::tan(0.5 * robot.depth.horizontal_fov)));
-  PinholeCamera camera = depth_camera(robot.depth, width, std::max(1, height));
-  camera.fy = camera.fx;
-  return camera;
-}
-
 SensorInboxOptions in_simulated_time(SensorInboxOptions options) {
   options.cameras_in_runtime_clock = options.wheels_in_runtime_clock =
       options.depth_in_runtime_clock = true;
@@ -77,6 +67,15 @@ struct GazeboParts {
 
 }  // namespace
 
+PinholeCamera gazebo_depth_camera(const RobotDescription& robot, const GazeboOptions& options) {
+  const int width = options.depth_width;
+  const int height = static_cast<int>(std::lround(width * std::tan(0.5 * robot.depth.vertical_fov) /
+                                                  std::tan(0.5 * robot.depth.horizontal_fov)));
+  PinholeCamera camera = depth_camera(robot.depth, width, std::max(1, height));
+  camera.fy = camera.fx;
+  return camera;
+}
+
 Robot make_robot(const GazeboRobotConfiguration& options) {
   const auto parts = std::make_shared<GazeboParts>(options);
   Robot robot;
@@ -88,7 +87,7 @@ Robot make_robot(const GazeboRobotConfiguration& options) {
   robot.start.position.z() = options.robot.base_height();
   robot.made = parts->first.stamp;
   robot.simulated_time = true;
-  robot.depth = depth_camera_of(options.robot, options.gazebo);
+  robot.depth = gazebo_depth_camera(options.robot, options.gazebo);
   robot.description = gazebo_robot(options.robot);
   robot.described_by = "Gazebo's cameras";
   robot.link_faults = [parts] { return parts->sensors.faults(); };
@@ -98,7 +97,10 @@ Robot make_robot(const GazeboRobotConfiguration& options) {
     world.start = robot.start;
     world.start.position.z() = measured->start.position.z();
     parts->true_run.emplace(world, options.robot, options.measure.looks,
-                            options.measure.reachable(world), std::move(*parts->truth));
+                            options.measure.reachable(world),
+                            [truth = std::make_shared<GazeboTruth>(std::move(*parts->truth))] {
+                              return truth->take();
+                            });
     robot.truth = {parts, &*parts->true_run};
     robot.name = measured->name;
   } else {

@@ -10,6 +10,7 @@
 #include "adapters/robots/gazebo/gazebo_options.h"
 #include "adapters/robots/simulator/depth_camera.h"
 #include "engine/maps/grid.h"
+#include "models/camera.h"
 #include "models/robot_description.h"
 #include "runtime/robot.h"
 #include "runtime/sensor_inbox.h"
@@ -32,6 +33,9 @@ struct GazeboRobotConfiguration {
   std::vector<InjectedFault> faults{};  ///< but for those of planner and disk
   GazeboMeasure measure{};
 };
+
+/// The depth camera as Gazebo renders it: square pixels, the principal point in the middle.
+PinholeCamera gazebo_depth_camera(const RobotDescription& robot, const GazeboOptions& options);
 
 /// It begins with the pose that Gazebo knows to be true; nothing else of the truth is used but to
 /// measure. Its time is the simulation's (SimulationClock). It forks a process: make it before

@@ -28,8 +28,8 @@ HeightSlice slice_of(const RobotDescription& robot) {
 
 struct TrueRun::Impl {
   Impl(const World& world, const RobotDescription& robot, const DepthCameraOptions& looks,
-       GazeboTruth its_truth)
-      : gazebo(std::move(its_truth)),
+       Poses told_poses)
+      : told(std::move(told_poses)),
         base_height(robot.base_height()),
         contact(world, robot.shape, base_height),
         camera(world, looks, robot.depth_mount, 1),
@@ -40,8 +40,8 @@ struct TrueRun::Impl {
     truth.coverage = seen.coverage();
   }
 
-  void add(const GazeboTruth::Stamped& told) {
-    Pose pose = told.pose;
+  void add(const GazeboTruth::Stamped& newest) {
+    Pose pose = newest.pose;
     pose.position.z() = base_height;
     if (!poses.empty()) {
       truth.path_length += (pose.position - truth.pose.position).head<2>().norm();
@@ -50,12 +50,12 @@ struct TrueRun::Impl {
     const bool touches_now = contact.in_contact(pose);
     truth.collisions += touches_now && !touches;
     touches = touches_now;
-    if (told.stamp >= next_look) {
-      next_look = told.stamp + kLook;
+    if (newest.stamp >= next_look) {
+      next_look = newest.stamp + kLook;
       seen.look(camera, pose);
     }
-    poses.push_back({told.stamp, pose});
-    while (poses.size() > 2 && poses[1].stamp < told.stamp - kRemembered) poses.pop_front();
+    poses.push_back({newest.stamp, pose});
+    while (poses.size() > 2 && poses[1].stamp < newest.stamp - kRemembered) poses.pop_front();
   }
 
   /// Nearest in time of what is remembered; requires one.
@@ -69,7 +69,7 @@ struct TrueRun::Impl {
   }
 
   static constexpr double kRemembered = 5.0;  // [s]
-  GazeboTruth gazebo;
+  Poses told;
   double base_height;
   ContactTest contact;
   DepthCamera camera;
@@ -81,14 +81,14 @@ struct TrueRun::Impl {
 };
 
 TrueRun::TrueRun(const World& world, const RobotDescription& robot, const DepthCameraOptions& looks,
-                 const Grid<std::uint8_t>& reachable, GazeboTruth truth)
-    : impl_(std::make_unique<Impl>(world, robot, looks, std::move(truth))) {
+                 const Grid<std::uint8_t>& reachable, Poses poses)
+    : impl_(std::make_unique<Impl>(world, robot, looks, std::move(poses))) {
   impl_->set_reachable(reachable);
 }
 TrueRun::~TrueRun() = default;
 
 TrueState TrueRun::at(const Belief& belief) {
-  for (const GazeboTruth::Stamped& told : impl_->gazebo.take()) impl_->add(told);
+  for (const GazeboTruth::Stamped& newest : impl_->told()) impl_->add(newest);
   TrueState& truth = impl_->truth;
   truth.coverage = impl_->seen.coverage();
   truth.seen_area = impl_->seen.area();

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
+#include <functional>
 #include <memory>
 
 #include "adapters/formats/worlds/world.h"
@@ -19,9 +21,11 @@ namespace prospect {
 /// free. Thread-safety: one thread at a time. Errors: the constructor throws as DepthCamera's does.
 class TrueRun final : public Truth {
  public:
+  /// The poses that Gazebo has told since the call before, oldest first.
+  using Poses = std::function<std::deque<GazeboTruth::Stamped>()>;
   /// reachable: cells of the world that count. The world outlives it.
   TrueRun(const World& world, const RobotDescription& robot, const DepthCameraOptions& looks,
-          const Grid<std::uint8_t>& reachable, GazeboTruth truth);
+          const Grid<std::uint8_t>& reachable, Poses poses);
   ~TrueRun() override;
 
   /// With all that Gazebo has told since the call before; the error is that of the belief, at its

@@ -43,8 +43,7 @@ Robot make_robot(const SimulatedRobotConfiguration& options);
 class SimulatedLockstep final : public LockstepRobot, public Truth, private FrameSink {
  public:
   explicit SimulatedLockstep(const SimulatedRobotConfiguration& options);
-  /// Who is told of frames as they are measured. They outlive it.
-  void watched_by(std::vector<MissionObserver*> observers);
+  void watched_by(std::vector<MissionObserver*> observers) override;
 
   std::shared_ptr<const Belief> sense() override { return simulator_.sense(); }
   CameraPicture picture() override { return simulator_.picture(); }
@@ -55,7 +54,7 @@ class SimulatedLockstep final : public LockstepRobot, public Truth, private Fram
 
   TrueState at(const Belief&) override { return newest(); }
   TrueState newest() const override;
-  std::string complaint() const { return simulator_.complaint(); }
+  std::string complaint() const override { return simulator_.complaint(); }
 
  private:
   void observe(const SensorFrame& frame) override;
