@@ -155,8 +155,9 @@ GridFrame ClearanceField::stored_part(const VoxelGrid& voxels, const GroundMap& 
 
 void ClearanceField::gather(const VoxelGrid& voxels, const GroundMap& ground,
                             const PausePoint& pause) {
-  solid_.assign(static_cast<std::size_t>(cells_.size()) * static_cast<std::size_t>(cells_depth_),
-                0);
+  assign_in_pieces(solid_,
+                   static_cast<std::size_t>(cells_.size()) * static_cast<std::size_t>(cells_depth_),
+                   std::uint8_t{0}, pause);
   const bool unknown_counts = options_.obstacles == Obstacles::kOccupiedAndUnknown;
   const double r = cells_.resolution;
   const int grid_low = voxels.k0();
@@ -232,9 +233,11 @@ void ClearanceField::transform(const PausePoint& pause) {
   const std::size_t node_row = static_cast<std::size_t>(nodes_.width) * static_cast<std::size_t>(D);
   const std::size_t wide_row = static_cast<std::size_t>(cells_.width) * static_cast<std::size_t>(D);
   const std::size_t shift = static_cast<std::size_t>(D);  // one voxel along x
-  values_.resize(static_cast<std::size_t>(nodes_.size()) * static_cast<std::size_t>(D));
+  assign_in_pieces(values_, static_cast<std::size_t>(nodes_.size()) * static_cast<std::size_t>(D),
+                   0.0, pause);
   std::vector<T> along_z(wide_row), below(static_cast<std::size_t>(cells_depth_));
-  std::vector<T> along_x(node_row * static_cast<std::size_t>(cells_.height));
+  std::vector<T> along_x;
+  assign_in_pieces(along_x, node_row * static_cast<std::size_t>(cells_.height), T{0}, pause);
   std::vector<T> nearest(node_row);
   std::vector<T> gap2(static_cast<std::size_t>(M) + 1);
   for (int a = 0; a <= M; ++a) gap2[static_cast<std::size_t>(a)] = static_cast<T>(squared_gap(a));
@@ -323,7 +326,7 @@ void ClearanceField::keep_out(const PausePoint& pause) {
 }
 
 void ClearanceField::correct(const PausePoint& pause) {
-  coefficients_.resize(values_.size());
+  assign_in_pieces(coefficients_, values_.size(), 0.0, pause);
   const std::ptrdiff_t D = depth_;
   const std::ptrdiff_t step_i = D;
   const std::ptrdiff_t step_j = D * nodes_.width;
