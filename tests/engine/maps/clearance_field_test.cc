@@ -7,14 +7,9 @@
 #include <fcl/narrowphase/distance.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <chrono>
 #include <cstring>
 #include <limits>
-#include <vector>
 
-#include "engine/support/resumable.h"
-#include "engine/support/stopwatch.h"
 #include "tests/engine/obstacle_worlds.h"
 
 namespace prospect::clearance_field_test {
@@ -533,31 +528,6 @@ TEST(ClearanceField, BadOptionsAreNamed) {
   options = {};
   options.margin = nan;
   EXPECT_NE(message(options, Eigen::Vector3d::Zero()).find("margin"), std::string::npos);
-}
-
-// The memory of a field in 3-D was had at once, in milliseconds.
-TEST(ClearanceField, PausesOftenInSpace) {
-  VoxelGrid voxels(GridFrame{0.1, -100, -100, 200, 200}, 0.0, 3.0);
-  const GroundMap ground(GridFrame{0.1, -96, -96, 192, 192});
-  for (int k = 0; k < 30; ++k) voxels.set(3, 4, k, CellState::kOccupied);
-  ClearanceField::Options options;
-  options.vertical = true;
-  options.reach = 9.0;
-  options.vertical_reach = 1.5;
-  Resumable work;
-  work.begin([&](const PausePoint& pause) {
-    ClearanceField({0.0, 0.0, 1.0}, voxels, ground, options, nullptr, pause);
-  });
-  std::vector<double> pieces;  // [ms]
-  while (work.busy()) {
-    ProcessorStopwatch watch(CLOCK_PROCESS_CPUTIME_ID);
-    work.run_until(Resumable::Clock::now() + std::chrono::milliseconds(1));
-    pieces.push_back(watch.lap());
-  }
-  ASSERT_GT(pieces.size(), 10u);
-  // But for two that the machine may have disturbed.
-  std::sort(pieces.begin(), pieces.end());
-  EXPECT_LT(pieces[pieces.size() - 3], 4.0);
 }
 
 }  // namespace
