@@ -230,7 +230,7 @@ int run(int argc, char** argv) {
   program.add("--set", settings, "A value of the configuration, KEY=VALUE");
   if (const std::optional<int> code = program.parse(argc, argv)) return *code;
 
-  options.topics = read_dds_options(file);
+  options.topics = read_dds_options(file, ros_arguments());
   const Registries registries;
   options.configuration = read_configuration("", registries, {settings.begin(), settings.end()});
   DdsAddress address = options.topics.address;

@@ -396,6 +396,10 @@ void Driver::watch() {
             "; the base's dead-man is what stops the robot");
   }
   s.late = is_late;
+  for (const RequestNote& note : s.requests.take_notes()) {
+    s.events.add(time, note.bad ? Severity::kWarning : Severity::kInfo, "goal",
+                 note.bad ? "not reached" : "over", note.text);
+  }
   const std::vector<MissionObserver*>& observers = s.mission.observers;
   if (observers.empty()) return;
   const EventLog::Reading reading = s.events.since(s.next_event);

@@ -95,10 +95,8 @@ bool MissionProgress::over_after(const Belief& newest, const Plan& plan, const G
   if (plan.fault == PlanFault::kMisfit) return over(MissionEnd::kNotFit, plan.detail);
   const bool done = plan.mode.kind == ModeKind::kDone;
   if (done && detour_) {
-    detour_->hold();
-    detour_->tell(plan.why);
-    detour_ = nullptr;
-    set_task(result.back ? Task::return_to_start() : options_.task);
+    const bool there = row_of(end_for(plan.mode.cause)).outcome == Outcome::kDone;
+    end_detour(there ? DetourState::kThere : DetourState::kNotThere, plan.why);
     return false;
   }
   const bool asked = options_.missing && !result.back;
@@ -124,6 +122,9 @@ std::string MissionProgress::set_task(const Task& task) {
 // Whether it is over, because the planner cannot return.
 bool MissionProgress::begin_return() {
   result.back = false;
+  if (detour_) {
+    detour_->tell({place_, DetourState::kNotThere, "it is on the way back to where it began"});
+  }
   detour_ = nullptr;
   const std::string refused = set_task(Task::return_to_start());
   return !refused.empty() && over(MissionEnd::kGoalUnreachable, refused);
@@ -149,15 +150,27 @@ bool MissionProgress::turned_back(const MissionStep& step) {
 }
 
 void MissionProgress::take_detour(DriveRequests& requests) {
-  const std::optional<Eigen::Vector2d> place = requests.take_place();
-  if (!place) return;
-  std::string refused = set_task(Task::go_to(*place));
-  if (refused.empty()) {
-    detour_ = &requests;
-    requests.resume();
-  } else {
-    requests.tell(std::move(refused));
+  const bool cancelled = requests.take_cancellation();
+  if (const auto place = requests.take_place()) {
+    std::string refused = set_task(Task::go_to(place->position, place->yaw));
+    if (refused.empty()) {
+      detour_ = &requests;
+      place_ = place->number;
+      requests.tell({place_, DetourState::kOnTheWay, ""});
+      requests.resume();
+    } else {
+      requests.tell({place->number, DetourState::kRefused, std::move(refused)});
+    }
+  } else if (cancelled && detour_) {
+    end_detour(DetourState::kCancelled, "cancelled");
   }
+}
+
+void MissionProgress::end_detour(DetourState state, const std::string& why) {
+  detour_->hold();
+  detour_->tell({place_, state, why});
+  detour_ = nullptr;
+  set_task(result.back ? Task::return_to_start() : options_.task);
 }
 
 }  // namespace prospect

@@ -53,8 +53,8 @@ class MissionProgress {
   bool over_after(const Belief& newest, const Plan& plan, const GuardStops& stops);
 
   /// Takes the place that people have asked for since the call before, if any: the planner is told
-  /// to go there, and the robot to drive. At the end of that way over_after() tells it to stand and
-  /// the planner to go on with the task.
+  /// to go there, and the robot to drive; or that they have cancelled it. At the end of that way
+  /// over_after() tells it to stand and the planner to go on with the task.
   void take_detour(DriveRequests& requests);
 
   MissionResult result;
@@ -66,10 +66,12 @@ class MissionProgress {
   bool turned_back(const MissionStep& step);
   bool begin_return();
   std::string set_task(const Task& task);
+  void end_detour(DetourState state, const std::string& why);
 
   const MissionOptions& options_;
   Replanner& planner_;
   DriveRequests* detour_ = nullptr;  // whose path the robot is on; null: nobody's
+  int place_ = 0;                    // of that, its number
   double start_;
   double last_localized_;
   std::optional<Eigen::Vector2d> began_at_;  // in W [m]

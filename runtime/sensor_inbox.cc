@@ -33,6 +33,13 @@ bool empty(const CameraContent& content) { return !content.estimate && empty(con
 
 }  // namespace
 
+SensorInboxOptions in_runtime_clock(SensorInboxOptions options) {
+  options.cameras_in_runtime_clock = options.wheels_in_runtime_clock =
+      options.depth_in_runtime_clock = options.scan_in_runtime_clock =
+          options.poses_in_runtime_clock = true;
+  return options;
+}
+
 std::string_view to_string(SensorStream stream) {
   switch (stream) {
     case SensorStream::kLeft:

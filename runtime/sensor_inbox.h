@@ -81,6 +81,8 @@ struct SensorInboxOptions {
 
 /// The knobs (models/knobs.h).
 void describe(Knobs& knobs, SensorInboxOptions& options);
+/// With stamps of all sources in the runtime's clock, as where a simulation tells both.
+SensorInboxOptions in_runtime_clock(SensorInboxOptions options);
 
 /// What became of the frames of a stream. All that came = waiting + taken + dropped of each kind.
 struct StreamCount {

@@ -58,10 +58,11 @@ class FastNode {
   FastNode(const FastNode&) = delete;
   FastNode& operator=(const FastNode&) = delete;
 
+  /// dds_name: in DDS; empty: dds_topic().
   template <ros::Message T>
-  int advertise(const std::string& topic, const DdsQos& asked) {
-    writers_.push_back(
-        publisher_->create_datawriter(topic_of<T>(topic), made<fast::dds::DataWriterQos>(asked)));
+  int advertise(const std::string& topic, const DdsQos& asked, const std::string& dds_name = "") {
+    writers_.push_back(publisher_->create_datawriter(topic_of<T>(topic, dds_name),
+                                                     made<fast::dds::DataWriterQos>(asked)));
     return static_cast<int>(writers_.size()) - 1;
   }
   /// bytes: CDR with its header of four bytes.
@@ -75,10 +76,11 @@ class FastNode {
   /// `take` is called on a thread of Fast DDS, with CDR and its header.
   template <ros::Message T>
   void subscribe_bytes(const std::string& topic, const DdsQos& asked,
-                       std::function<void(const std::string&)> take) {
+                       std::function<void(const std::string&)> take,
+                       const std::string& dds_name = "") {
     listeners_.push_back(std::make_unique<Listener>(std::move(take)));
-    subscriber_->create_datareader(topic_of<T>(topic), made<fast::dds::DataReaderQos>(asked),
-                                   listeners_.back().get());
+    subscriber_->create_datareader(topic_of<T>(topic, dds_name),
+                                   made<fast::dds::DataReaderQos>(asked), listeners_.back().get());
   }
   /// The same with the message.
   template <ros::Message T, typename Handle>
@@ -147,11 +149,12 @@ class FastNode {
     return qos;
   }
   template <ros::Message T>
-  fast::dds::Topic* topic_of(const std::string& name) {
+  fast::dds::Topic* topic_of(const std::string& name, const std::string& dds_name) {
     const std::string type = dds_type(ros::definition_of<T>().front().name);
     fast::dds::TypeSupport support(new Cdr(type));
     support.register_type(participant_);
-    return participant_->create_topic(dds_topic(name), type, fast::dds::TOPIC_QOS_DEFAULT);
+    return participant_->create_topic(dds_name.empty() ? dds_topic(name) : dds_name, type,
+                                      fast::dds::TOPIC_QOS_DEFAULT);
   }
 
   fast::dds::DomainParticipant* participant_ = nullptr;

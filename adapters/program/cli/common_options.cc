@@ -107,4 +107,16 @@ void add_fixed_frame(CLI::App* command, std::string& frame) {
       ->type_name("FRAME");
 }
 
+void add_ros_arguments(CLI::App* command, RosArgumentWords& words) {
+  command->add_flag("--ros-args", words.marked, "Arguments of ROS 2 follow: -r, -p");
+  command
+      ->add_option("-r,--remap", words.remap,
+                   "With --ros: a topic by another name, FROM:=TO; __ns:=, __node:=")
+      ->type_name("RULE")
+      ->allow_extra_args(false);
+  command->add_option("-p,--param", words.parameters, "With --ros: use_sim_time:=true or false")
+      ->type_name("RULE")
+      ->allow_extra_args(false);
+}
+
 }  // namespace prospect

@@ -27,4 +27,11 @@ void add_recording_options(CLI::App* command, StereoDatasetOptions& options);
 /// The frame of a bag in which poses are wanted.
 void add_fixed_frame(CLI::App* command, std::string& frame);
 
+/// What the arguments of a node of ROS 2 say: --ros-args, -r and -p.
+struct RosArgumentWords {
+  bool marked = false;  ///< --ros-args was said, which changes nothing
+  std::vector<std::string> remap, parameters;
+};
+void add_ros_arguments(CLI::App* command, RosArgumentWords& words);
+
 }  // namespace prospect

@@ -19,6 +19,7 @@ struct DriveArguments {
   /// "simulator", "gazebo", "dds"; or parts of one robot, "plugin:FILE" each.
   std::vector<std::string> base = {"simulator"};
   std::string ros;                  ///< file of topics, of "dds"
+  RosArgumentWords ros_arguments;   ///< above it
   std::vector<std::string> faults;  ///< injected_fault.h
   bool lockstep = false;            ///< Gazebo is stepped
   bool measure = false;             ///< Gazebo's truth measures, against mission.world
@@ -77,8 +78,12 @@ int drive(const DriveArguments& arguments, const Invocation& in) {
     if (arguments.ros.empty()) {
       throw InputError("--base dds: no --ros; expected the file of the robot's topics");
     }
-    base.dds = read_dds_options(arguments.ros);
+    base.dds = read_dds_options(arguments.ros, ros_arguments(arguments.ros_arguments.remap,
+                                                             arguments.ros_arguments.parameters));
     return mission(logged, in.registries, base, in.signals);
+  }
+  if (!arguments.ros_arguments.remap.empty() || !arguments.ros_arguments.parameters.empty()) {
+    throw InputError("-r, -p: given with --base " + name + "; expected --base dds");
   }
   if (!arguments.ros.empty()) {
     throw InputError("--ros: given with --base " + name + "; expected it with --base dds");
@@ -131,6 +136,7 @@ Command drive_command(CLI::App& program) {
   command->add_flag("--lockstep", arguments.lockstep,
                     "With --base gazebo: its world stands while perception and planner work, and "
                     "is stepped by the mission: no machine is too slow for it");
+  add_ros_arguments(command, arguments.ros_arguments);
   command->add_flag("--measure", arguments.measure,
                     "With --base gazebo: measure by Gazebo's truth, against WORLD, which it "
                     "runs; nothing else is taken from it but the start");

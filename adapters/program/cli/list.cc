@@ -250,7 +250,8 @@ int list(const ListArguments& arguments, const Registries& registries) {
   if (!arguments.ros.empty() && what != "links") {
     throw InputError("--ros: given with '" + what + "'; expected it with links");
   }
-  const DdsOptions topics = arguments.ros.empty() ? DdsOptions() : read_dds_options(arguments.ros);
+  const DdsOptions topics =
+      arguments.ros.empty() ? DdsOptions() : read_dds_options(arguments.ros, ros_arguments());
   if (!what.empty()) {
     const nlohmann::ordered_json entries = as_json(what, topics, registries);
     if (json) {

@@ -8,6 +8,7 @@
 #include "adapters/formats/files/parse_number.h"
 #include "adapters/missions/config/configuration.h"
 #include "adapters/program/cli/commands.h"
+#include "adapters/program/cli/common_options.h"
 #include "adapters/program/cli/configuration_arguments.h"
 #include "adapters/program/cli/interrupt.h"
 #include "adapters/robots/dds/dds_relay.h"
@@ -20,6 +21,7 @@ namespace {
 
 struct RelayArguments {
   std::string ros;                       ///< file of topics
+  RosArgumentWords ros_arguments;        ///< above it
   ConfigurationArguments configuration;  ///< the robot's motion
 };
 
@@ -53,7 +55,9 @@ void complete_limits(BaseLimits& limits, const Configuration& configuration) {
 }
 
 int relay(const RelayArguments& arguments, const Registries& registries, SignalGuard& signals) {
-  DdsOptions options = read_dds_options(arguments.ros);
+  DdsOptions options = read_dds_options(
+      arguments.ros,
+      ros_arguments(arguments.ros_arguments.remap, arguments.ros_arguments.parameters));
   BaseLimits& limits = options.command.limits;
   complete_limits(limits,
                   read_configuration(arguments.configuration.file, registries,
@@ -82,6 +86,7 @@ Command relay_command(CLI::App& program) {
   command->add_option("--ros", arguments.ros, "The robot's topics (YAML)")
       ->type_name("FILE")
       ->required();
+  add_ros_arguments(command, arguments.ros_arguments);
   add_configuration(command, arguments.configuration,
                     ": the limits of the robot's motion that the topics' file leaves out");
   return {command,

@@ -87,7 +87,7 @@ struct DdsBase::Impl {
     const std::lock_guard lock(mutex);
     if (!T) T = moved(sample);
     heard = clock.now();
-    offset.add(sample.stamp, *heard);
+    if (!options.use_sim_time) offset.add(sample.stamp, *heard);
     velocity = {{moving.x(), moving.y(), 0.0}, turning.z()};
     if (wheels.size() == kMost) wheels.erase(wheels.begin());
     wheels.push_back(sample);
@@ -122,6 +122,7 @@ struct DdsBase::Impl {
   }
 
   ros::Time stamp(double time) const {
+    if (options.use_sim_time) return ros::time_of(time);
     const std::lock_guard lock(mutex);
     if (const std::optional<double> known = offset.offset()) return ros::time_of(time - *known);
     const double day =

@@ -33,7 +33,7 @@ namespace prospect {
 /// until it has gone.
 ///
 /// Clocks: the offset between the robot's clock and the runtime's is estimated from the odometry's
-/// stamps (ClockOffset).
+/// stamps (ClockOffset); with use_sim_time both are one.
 ///
 /// Who acknowledges a stop by topic (DdsOptions::acknowledge) asks so of `requests`; null: nobody.
 ///
@@ -57,8 +57,9 @@ class DdsBase final : public Base {
   /// `time` [s] of the runtime's clock as a stamp of the robot's. Before the offset has settled,
   /// of this machine's time of day.
   ros::Time ros_time(double time) const;
-  /// Pose of the base in the frame odom by its odometry, or by its twists from where it began, at `time` [s] of the runtime's clock: the
-  /// one whose stamp is nearest, of the newest 2 s. None: none has come.
+  /// Pose of the base in the frame odom by its odometry, or by its twists from where it began, at
+  /// `time` [s] of the runtime's clock: the one whose stamp is nearest, of the newest 2 s. None:
+  /// none has come.
   std::optional<Eigen::Isometry3d> odometry(double time) const;
 
  private:

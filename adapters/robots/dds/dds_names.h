@@ -7,6 +7,10 @@ namespace prospect {
 /// The topic of DDS that ROS 2 uses for "/left/image_raw": "rt/left/image_raw".
 inline std::string dds_topic(const std::string& topic) { return "rt" + topic; }
 
+/// Of the requests of a service "/hold", "rq/holdRequest", and of its answers, "rr/holdReply".
+inline std::string dds_requests(const std::string& service) { return "rq" + service + "Request"; }
+inline std::string dds_replies(const std::string& service) { return "rr" + service + "Reply"; }
+
 /// "sensor_msgs::msg::dds_::Image_" of "sensor_msgs/msg/Image".
 inline std::string dds_type(const std::string& type) {
   const std::size_t first = type.find('/'), last = type.rfind('/');

@@ -16,6 +16,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <deque>
@@ -181,6 +182,7 @@ std::string described(const DdsQos& qos) {
 struct DdsNode::Impl {
   struct Topic {
     std::string name, type;
+    Role role = Role::kTopic;
     DdsQos qos;
     dds_entity_t endpoint = 0;
     bool reads = false;
@@ -191,12 +193,15 @@ struct DdsNode::Impl {
   };
 
   explicit Impl(const DdsAddress& given) : address(given) {
-    const std::string text = address.configuration.empty() ? dds_configuration(address.loopback)
-                                                           : read_whole_file(address.configuration);
+    std::string text = address.configuration.empty() ? dds_configuration(address.loopback)
+                                                     : read_whole_file(address.configuration);
+    // Of a list the later entries count.
+    if (!address.uri.empty()) text += ',' + address.uri;
     domain = dds_create_domain(static_cast<dds_domainid_t>(address.domain), text.c_str());
     if (domain < 0 && domain != DDS_RETCODE_PRECONDITION_NOT_MET) {
-      refuse(address.configuration.empty() ? "domain " + std::to_string(address.domain)
-                                           : address.configuration,
+      refuse(!address.configuration.empty() ? address.configuration
+             : !address.uri.empty()         ? "CYCLONEDDS_URI " + address.uri
+                                            : "domain " + std::to_string(address.domain),
              domain);
     }
     try {
@@ -229,11 +234,13 @@ struct DdsNode::Impl {
     }
   }
   ~Impl() {
-    if (thread.joinable()) {
-      thread.request_stop();
-      thread.join();
-    }
+    stop();
     end();
+  }
+  void stop() {
+    if (!thread.joinable()) return;
+    thread.request_stop();
+    thread.join();
   }
 
   void end() {
@@ -267,7 +274,9 @@ struct DdsNode::Impl {
     const std::string problem = topic_problem(topic.name);
     if (!problem.empty()) throw InputError("dds: topic " + problem);
     topic.type = definition.front().name;
-    topic.dds_name = dds_topic(topic.name);
+    topic.dds_name = topic.role == Role::kRequests  ? dds_requests(topic.name)
+                     : topic.role == Role::kReplies ? dds_replies(topic.name)
+                                                    : dds_topic(topic.name);
     topic.dds_type = dds_type(topic.type);
     topic.endpoint = made_endpoint(topic.dds_name, definition, topic.qos, topic.reads);
     looked_at.insert(topic.dds_name);
@@ -278,7 +287,8 @@ struct DdsNode::Impl {
   void announce() {
     ParticipantEntitiesInfo message;
     message.gid = gid_of(participant);
-    NodeEntitiesInfo node{"/", address.node, {}, {}};
+    NodeEntitiesInfo node{
+        address.its_namespace.empty() ? "/" : address.its_namespace, address.node, {}, {}};
     for (const Topic& topic : topics) {
       (topic.reads ? node.reader_gid_seq : node.writer_gid_seq).push_back(gid_of(topic.endpoint));
     }
@@ -301,6 +311,7 @@ struct DdsNode::Impl {
           if (topic.reads) take(topic);
           look_at_qos(topic);
         }
+        send_answers();
       } catch (...) {
         // Memory is used up: what could not be taken is lost, and stamps tell that it did not come.
       }
@@ -385,6 +396,40 @@ struct DdsNode::Impl {
     return (its_namespace == "/" ? "" : its_namespace) + "/" + name;
   }
 
+  /// Of one who publishes on or listens to a topic here; "": not known.
+  static std::string participant_of(dds_builtintopic_endpoint_t* endpoint) {
+    if (!endpoint) return "";
+    const std::string key = key_of(endpoint->participant_key);
+    dds_delete_qos(endpoint->qos);
+    dds_free(endpoint->topic_name);
+    dds_free(endpoint->type_name);
+    dds_free(endpoint);
+    return key;
+  }
+  bool listens(const Topic& topic, const std::string& participant) const {
+    std::array<dds_instance_handle_t, 100> readers{};
+    const dds_return_t count =
+        dds_get_matched_subscriptions(topic.endpoint, readers.data(), readers.size());
+    for (dds_return_t n = 0; n < std::min<dds_return_t>(count, readers.size()); ++n) {
+      const auto reader = readers[static_cast<std::size_t>(n)];
+      if (participant_of(dds_get_matched_subscription_data(topic.endpoint, reader)) ==
+          participant) {
+        return true;
+      }
+    }
+    return false;
+  }
+  void send_answers() {
+    const std::lock_guard lock(answers_mutex);
+    const auto now = std::chrono::steady_clock::now();
+    std::erase_if(answers, [&](const Answer& answer) {
+      const Topic& topic = topics[static_cast<std::size_t>(answer.topic)];
+      if (!listens(topic, answer.participant)) return now > answer.until;
+      dds_write(topic.endpoint, &answer.cdr);
+      return true;
+    });
+  }
+
   void look_at_qos(Topic& topic) {
     std::uint32_t policy = 0, count = 0;
     if (topic.reads) {
@@ -407,7 +452,7 @@ struct DdsNode::Impl {
 
   const Topic* find(const std::string& name, bool reads) const {
     for (const Topic& topic : topics) {
-      if (topic.name == name && topic.reads == reads) return &topic;
+      if (topic.role == Role::kTopic && topic.name == name && topic.reads == reads) return &topic;
     }
     return nullptr;
   }
@@ -451,6 +496,14 @@ struct DdsNode::Impl {
   mutable std::mutex mutex;
   std::set<std::string> looked_at;  // names of topics in DDS; as `topics`
   DiscoveredEndpoints discovered;   // under `mutex`
+  struct Answer {
+    int topic;
+    std::string participant, cdr;
+    std::chrono::steady_clock::time_point until;
+  };
+  static constexpr std::size_t kMostAnswers = 100;
+  std::mutex answers_mutex;
+  std::vector<Answer> answers;  // that wait for who asked
   std::jthread thread;
 };
 
@@ -459,9 +512,10 @@ DdsNode::~DdsNode() = default;
 
 void DdsNode::subscribe(const std::string& topic,
                         const std::vector<ros::MessageDefinition>& definition, const DdsQos& qos,
-                        PublisherHandler handler) {
+                        PublisherHandler handler, Role role) {
   Impl::Topic added;
   added.name = topic;
+  added.role = role;
   added.qos = qos;
   added.reads = true;
   added.handler = std::move(handler);
@@ -478,9 +532,11 @@ void DdsNode::subscribe(const std::string& topic,
 }
 
 int DdsNode::advertise(const std::string& topic,
-                       const std::vector<ros::MessageDefinition>& definition, const DdsQos& qos) {
+                       const std::vector<ros::MessageDefinition>& definition, const DdsQos& qos,
+                       Role role) {
   Impl::Topic added;
   added.name = topic;
+  added.role = role;
   added.qos = qos;
   impl_->add(std::move(added), definition);
   return static_cast<int>(impl_->topics.size()) - 1;
@@ -493,10 +549,27 @@ void DdsNode::start() {
   impl_->thread = std::jthread([this](const std::stop_token& stop) { impl_->run(stop); });
 }
 
+void DdsNode::stop() { impl_->stop(); }
+
 bool DdsNode::publish(int topic, const std::string& cdr) noexcept {
   if (topic < 0 || topic >= static_cast<int>(impl_->topics.size())) return false;
   const Impl::Topic& to = impl_->topics[static_cast<std::size_t>(topic)];
   return !to.reads && dds_write(to.endpoint, &cdr) == DDS_RETCODE_OK;
+}
+
+void DdsNode::answer(int topic, std::uint64_t publisher, std::string cdr) {
+  const Impl::Topic& replies = impl_->topics.at(static_cast<std::size_t>(topic));
+  const Impl::Topic* requests = nullptr;
+  for (const Impl::Topic& one : impl_->topics) {
+    if (one.role == Role::kRequests && one.name == replies.name) requests = &one;
+  }
+  if (!requests) return;
+  std::string participant =
+      Impl::participant_of(dds_get_matched_publication_data(requests->endpoint, publisher));
+  const std::lock_guard lock(impl_->answers_mutex);
+  if (participant.empty() || impl_->answers.size() == Impl::kMostAnswers) return;
+  impl_->answers.push_back({topic, std::move(participant), std::move(cdr),
+                            std::chrono::steady_clock::now() + std::chrono::seconds(1)});
 }
 
 int DdsNode::publishers(const std::string& topic) const {
@@ -521,7 +594,7 @@ std::vector<std::string> DdsNode::publisher_names(const std::string& topic) cons
   }
   std::sort(names.begin(), names.end());
   if (spoken) {
-    const std::string own = Impl::full_name("/", impl_->address.node);
+    const std::string own = impl_->address.its_namespace + "/" + impl_->address.node;
     names.insert(names.begin(), own + " (this program)");
   }
   return names;
@@ -569,15 +642,17 @@ DdsNode::DdsNode(const DdsAddress&) {
 }
 DdsNode::~DdsNode() = default;
 void DdsNode::subscribe(const std::string&, const std::vector<ros::MessageDefinition>&,
-                        const DdsQos&, PublisherHandler) {}
+                        const DdsQos&, PublisherHandler, Role) {}
 void DdsNode::subscribe(const std::string&, const std::vector<ros::MessageDefinition>&,
                         const DdsQos&, Handler) {}
 int DdsNode::advertise(const std::string&, const std::vector<ros::MessageDefinition>&,
-                       const DdsQos&) {
+                       const DdsQos&, Role) {
   return -1;
 }
+void DdsNode::answer(int, std::uint64_t, std::string) {}
 void DdsNode::watch(const std::string&) {}
 void DdsNode::start() {}
+void DdsNode::stop() {}
 bool DdsNode::publish(int, const std::string&) noexcept { return false; }
 int DdsNode::publishers(const std::string&) const { return 0; }
 std::vector<std::uint64_t> DdsNode::live_publishers(const std::string&) const { return {}; }

@@ -20,6 +20,8 @@ struct DdsAddress {
   std::string node = "prospect";   ///< name in ROS 2
   bool loopback = false;           ///< this machine alone, without multicast
   std::string configuration = "";  ///< file of CycloneDDS's XML; empty: dds_configuration()
+  std::string its_namespace = "";  ///< of the node: "" or "/robot"
+  std::string uri = "";            ///< as CYCLONEDDS_URI: above dds_configuration(); empty: nothing
 };
 
 /// How much is kept and sent again, as profiles of ROS 2. A reader that is less strict than the
@@ -61,13 +63,16 @@ class DdsNode {
   using PublisherHandler =
       std::function<void(std::string_view cdr, const std::string& name, std::uint64_t publisher)>;
 
+  /// What a name stands for: a topic, or one half of a service (dds_service.h).
+  enum class Role { kTopic, kRequests, kReplies };
+
   explicit DdsNode(const DdsAddress& address);
   ~DdsNode();  ///< waits until no handler runs
   DdsNode(const DdsNode&) = delete;
   DdsNode& operator=(const DdsNode&) = delete;
 
   void subscribe(const std::string& topic, const std::vector<ros::MessageDefinition>& definition,
-                 const DdsQos& qos, PublisherHandler handler);
+                 const DdsQos& qos, PublisherHandler handler, Role role = Role::kTopic);
   void subscribe(const std::string& topic, const std::vector<ros::MessageDefinition>& definition,
                  const DdsQos& qos, Handler handler);
   /// handle: takes the message, and the publisher if it wants to.
@@ -86,7 +91,7 @@ class DdsNode {
 
   /// The number of the topic, for publish().
   int advertise(const std::string& topic, const std::vector<ros::MessageDefinition>& definition,
-                const DdsQos& qos);
+                const DdsQos& qos, Role role = Role::kTopic);
   template <ros::Message T>
   int advertise(const std::string& topic, const DdsQos& qos) {
     return advertise(topic, ros::definition_of<T>(), qos);
@@ -94,6 +99,7 @@ class DdsNode {
   /// Who publishes on a topic of others is asked, too (publisher_names()).
   void watch(const std::string& topic);
   void start();
+  void stop();  ///< no handler runs after it
 
   /// Hands it to DDS, and waits for nobody. False: DDS did not take it. `topic` < 0: none.
   bool publish(int topic, const std::string& cdr) noexcept;
@@ -101,6 +107,9 @@ class DdsNode {
   bool publish(int topic, const T& message, std::size_t extra = 0) {
     return topic >= 0 && publish(topic, ros::to_cdr(message, extra));
   }
+  /// To who published a request: once he listens to the topic, which he may do a moment later than
+  /// he asks; if he does not within a second, to nobody.
+  void answer(int topic, std::uint64_t publisher, std::string cdr);
 
   /// Others' publishers that a subscription hears, subscribers that hear us.
   int publishers(const std::string& topic) const;

@@ -6,6 +6,7 @@
 
 #include "adapters/formats/datasets/stereo_calibration.h"
 #include "adapters/formats/datasets/transform_tree.h"
+#include "adapters/formats/files/input_error.h"
 #include "adapters/formats/files/strict_yaml.h"
 #include "adapters/robots/dds/dds_names.h"
 
@@ -16,13 +17,18 @@ namespace {
 class TopicReader {
  public:
   enum class Empty { kAllowed, kRefused };
-  explicit TopicReader(std::string its_namespace) : namespace_(std::move(its_namespace)) {}
+  /// `rules` outlives it.
+  TopicReader(NameRules& rules, const DdsAddress& node)
+      : rules_(rules), namespace_(node.its_namespace), node_(node.node) {}
   std::string read(YamlMap map, const std::string& key, const std::string& default_value,
                    const std::string& what, Empty empty) {
     std::string name =
         map.text(key, default_value.empty() ? "none" : namespace_ + default_value, what);
     if (name == "none") name.clear();
-    if (!namespace_.empty() && !name.empty() && name[0] != '/') name = namespace_ + "/" + name;
+    if (!namespace_.empty() && !name.empty()) {
+      name = NameRules::resolved(name, namespace_, node_);
+    }
+    if (!name.empty()) name = rules_.remapped(name, namespace_, node_);
     if (name.empty()) {
       if (empty == Empty::kRefused) map.problem(key, "it is none; expected a topic");
       return name;
@@ -37,18 +43,60 @@ class TopicReader {
   }
 
  private:
-  std::string namespace_;
+  NameRules& rules_;
+  const std::string namespace_, node_;
   std::set<std::string> used_;
 };
 
 std::string read_namespace(YamlMap root) {
   std::string name = root.text("namespace", "none", "of topics that do not begin with a slash");
-  if (name == "none") return "";
+  if (name == "none" || name == "/") return "";
   if (!name.starts_with("/")) name.insert(0, "/");
   while (name.ends_with("/")) name.pop_back();
   const std::string problem = topic_problem(name);
   if (!problem.empty()) root.problem("namespace", problem);
   return name;
+}
+
+DdsAddress read_address(YamlMap root, const RosArguments& arguments) {
+  DdsAddress a;
+  a.domain = static_cast<int>(root.integer("domain", a.domain, 0, 232, "1", "as ROS_DOMAIN_ID"));
+  a.node = root.text("node", a.node, "name of this node");
+  const std::string problem = topic_problem("/" + a.node);
+  if (!problem.empty() || a.node.find('/') != std::string::npos) {
+    root.problem("node", "'" + a.node + "'; expected a name of ROS 2 such as prospect");
+  }
+  a.its_namespace = read_namespace(root);
+  a.loopback = root.boolean("loopback", a.loopback, "this machine alone");
+  a.configuration = root.text("configuration", "none", "file of CycloneDDS's XML");
+  if (a.configuration == "none") a.configuration.clear();
+  if (a.configuration.empty() && !a.loopback) a.uri = arguments.cyclonedds_uri;
+  return a;
+}
+
+void read_clock(YamlMap root, TopicReader& topics, DdsOptions& o) {
+  using Empty = TopicReader::Empty;
+  o.use_sim_time = root.boolean("use_sim_time", o.use_sim_time, "time is that of the topic clock");
+  o.clock = topics.read(root, "clock", o.use_sim_time ? o.clock : "", "rosgraph_msgs/msg/Clock",
+                        o.use_sim_time ? Empty::kRefused : Empty::kAllowed);
+  if (!o.use_sim_time && root.has("clock")) {
+    root.problem("clock", "nothing reads it; expected use_sim_time: true, too");
+  }
+}
+
+/// What people tell the robot by topics and services.
+void read_people(YamlMap root, TopicReader& topics, DdsOptions& o) {
+  using Empty = TopicReader::Empty;
+  o.acknowledge = topics.read(root, "acknowledge", "",
+                              "std_msgs/msg/Bool, true acknowledges a stop", Empty::kAllowed);
+  o.goal = topics.read(root, "goal", o.goal, "PoseStamped to go to", Empty::kAllowed);
+  o.told = topics.read(root, "commands", o.told, "std_msgs/msg/String: hold, resume, cancel, stop",
+                       Empty::kAllowed);
+  o.services =
+      topics.read(root, "services", o.services,
+                  "before /hold, /resume, /cancel, /stop: std_srvs/srv/Trigger", Empty::kAllowed);
+  o.action =
+      topics.read(root, "action", o.action, "nav2_msgs/action/NavigateToPose", Empty::kAllowed);
 }
 
 std::string read_frame(YamlMap map, const std::string& key, const std::string& default_value,
@@ -107,7 +155,8 @@ void read_stereo(YamlMap root, TopicReader& topics, DdsOptions& o) {
   s.rectified = stereo.boolean("rectified", s.rectified, "images are rectified already");
   if (o.has_stereo()) return;
   if (stereo.present()) {
-    root.problem("stereo", "given, though pose.from says that it is not used; expected one of them");
+    root.problem("stereo",
+                 "given, though pose.from says that it is not used; expected one of them");
   }
   s = {"", "", "", ""};
 }
@@ -136,22 +185,20 @@ void read_depth(YamlMap root, TopicReader& topics, DdsOptions& o) {
 
 }  // namespace
 
-DdsOptions read_dds_options(const std::string& path) {
+DdsOptions read_dds_options(const std::string& path, const RosArguments& arguments) {
   using Empty = TopicReader::Empty;
   StrictYaml yaml = StrictYaml::from_file(path);
+  NameRules rules(arguments.remap);
+  for (const YamlSetting& setting : settings_of(arguments, rules)) yaml.set(setting);
   YamlMap root = yaml.root();
   DdsOptions o;
-  TopicReader topics(read_namespace(root));
+  o.address = read_address(root, arguments);
+  TopicReader topics(rules, o.address);
 
-  o.address.domain =
-      static_cast<int>(root.integer("domain", o.address.domain, 0, 232, "1", "as ROS_DOMAIN_ID"));
-  o.address.node = root.text("node", o.address.node, "name of this node");
-  o.address.loopback = root.boolean("loopback", o.address.loopback, "this machine alone");
-  o.address.configuration = root.text("configuration", "none", "file of CycloneDDS's XML");
-  if (o.address.configuration == "none") o.address.configuration.clear();
   o.timeout =
       root.number("timeout", o.timeout, 0.1, 600.0, "s", "to wait for calibrations and transforms");
 
+  read_clock(root, topics, o);
   o.tf = topics.read(root, "tf", o.tf, "TFMessage", Empty::kRefused);
   o.tf_static = topics.read(root, "tf_static", o.tf_static, "TFMessage", Empty::kRefused);
 
@@ -198,8 +245,7 @@ DdsOptions read_dds_options(const std::string& path) {
     }
   }
 
-  o.acknowledge = topics.read(root, "acknowledge", "",
-                              "std_msgs/msg/Bool, true acknowledges a stop", Empty::kAllowed);
+  read_people(root, topics, o);
 
   YamlMap command = root.map("command");
   auto& c = o.command;
@@ -213,10 +259,14 @@ DdsOptions read_dds_options(const std::string& path) {
   c.relay = topics.read(command, "relay", "", "TwistStamped to a relay", Empty::kAllowed);
   c.relay_period = command.number("relay_period", c.relay_period, 0.005, 0.1, "s",
                                   "in which the relay looks, and repeats a stop");
-  c.relay_age = command.choice("relay_age", "stamp", {"stamp", "arrival"},
-                               "what the relay counts a command's age from") == "stamp"
-                    ? DdsOptions::RelayAge::kStamp
-                    : DdsOptions::RelayAge::kArrival;
+  c.relay_age =
+      command.choice("relay_age", o.use_sim_time ? "arrival" : "stamp", {"stamp", "arrival"},
+                     "what the relay counts a command's age from") == "stamp"
+          ? DdsOptions::RelayAge::kStamp
+          : DdsOptions::RelayAge::kArrival;
+  if (o.use_sim_time && c.relay_age == DdsOptions::RelayAge::kStamp) {
+    command.problem("relay_age", "stamps are of a simulation (use_sim_time); expected arrival");
+  }
   c.limits.speed = limit(command, "speed", "m/s", "that the base reaches");
   c.limits.yaw_rate = limit(command, "yaw_rate", "rad/s", "that the base reaches");
   c.limits.acceleration = limit(command, "acceleration", "m/s^2", "that the base reaches");
@@ -235,6 +285,8 @@ DdsOptions read_dds_options(const std::string& path) {
   p.markers = topics.read(output, "markers", p.markers, "target, plan, landmarks", Empty::kAllowed);
   p.diagnostics =
       topics.read(output, "diagnostics", p.diagnostics, "DiagnosticArray", Empty::kAllowed);
+  p.state =
+      topics.read(output, "state", p.state, "DiagnosticStatus of the drive mode", Empty::kAllowed);
   p.map_period = output.number("map_period", p.map_period, 0.1, 60.0, "s", "between two maps");
   p.transforms = output.boolean("transforms", p.transforms, "map -> odom on tf");
   p.odom_transform = output.boolean("odom_transform", p.odom_transform, "odom -> base on tf");
@@ -245,9 +297,11 @@ DdsOptions read_dds_options(const std::string& path) {
     }
   }
   if (p.transforms && !o.tells_odometry_pose() && !p.odom_transform) {
-    output.problem("transforms", "odometry tells no pose; expected output.odom_transform: true, too");
+    output.problem("transforms",
+                   "odometry tells no pose; expected output.odom_transform: true, too");
   }
   yaml.finish();
+  if (const auto unused = rules.unused(); !unused.empty()) throw InputError(unused);
   return o;
 }
 

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "adapters/robots/dds/dds_node.h"
+#include "adapters/robots/dds/ros_arguments.h"
 #include "runtime/base.h"
 #include "runtime/emergency_stop.h"
 
@@ -15,6 +16,8 @@ struct DdsOptions {
   DdsAddress address;
   double timeout = 10.0;  ///< [s] to wait for calibrations and transforms
   std::string tf = "/tf", tf_static = "/tf_static";
+  bool use_sim_time = false;     ///< time is that of a simulation, which the next topic tells
+  std::string clock = "/clock";  ///< rosgraph_msgs/msg/Clock
 
   struct Frames {
     std::string map = "map";         ///< W, which the mission's own estimate is in
@@ -77,6 +80,13 @@ struct DdsOptions {
   EmergencyStopContract emergency_stop_contract;
   std::string acknowledge;  ///< std_msgs/msg/Bool: true acknowledges a stop that latches
 
+  // What people tell it (dds_commands.h).
+  std::string goal = "/goal_pose";         ///< geometry_msgs/msg/PoseStamped
+  std::string told = "/prospect/command";  ///< std_msgs/msg/String
+  std::string services = "/prospect";      ///< before /hold, ...: std_srvs/srv/Trigger
+  /// nav2_msgs/action/NavigateToPose (dds_navigation.h)
+  std::string action = "/prospect/navigate_to_pose";
+
   enum class RelayAge {
     kStamp,   ///< by the header's stamp against the clock of the relay's computer
     kArrival  ///< since it came: stamps are of a simulation, say
@@ -97,8 +107,9 @@ struct DdsOptions {
   struct Output {
     std::string path = "/prospect/path", map = "/map", octomap = "/octomap_binary";
     std::string markers = "/prospect/markers", diagnostics = "/diagnostics";
-    double map_period = 1.0;      ///< [s] > 0 between two maps
-    bool transforms = true;       ///< map -> odom on tf
+    std::string state = "/prospect/state";  ///< drive mode, as diagnostic_msgs/msg/DiagnosticStatus
+    double map_period = 1.0;                ///< [s] > 0 between two maps
+    bool transforms = true;                 ///< map -> odom on tf
     bool odom_transform = false;  ///< odom -> base on tf, where the base's driver does not
   } output;
 };
@@ -106,7 +117,7 @@ struct DdsOptions {
 /// With `namespace: /NS` topics that the file leaves out are NS's, tf and diagnostics, too, and
 /// those without a slash at the beginning. Throws InputError, a line a problem with the file's
 /// line: unknown or missing keys, values out of range, names that ROS 2 does not take, topics that
-/// are used twice, no source of ranges.
-DdsOptions read_dds_options(const std::string& path);
+/// are used twice, no source of ranges; and for arguments that are none.
+DdsOptions read_dds_options(const std::string& path, const RosArguments& arguments = {});
 
 }  // namespace prospect

@@ -17,6 +17,7 @@
 #include "adapters/formats/ros/tf2_msgs.h"
 #include "adapters/formats/ros/visualization_msgs.h"
 #include "engine/planner/planner.h"
+#include "runtime/driver.h"
 
 namespace prospect {
 namespace {
@@ -91,12 +92,13 @@ ros::Marker marker(const ros::Header& header, const char* name, std::int32_t typ
 
 struct DdsPublisher::Impl {
   Impl(const DdsOptions& given, DdsNode& its_node, const DdsBase& its_base, const Clock& its_clock,
-       std::shared_ptr<const MotionModel> its_model)
+       std::shared_ptr<const MotionModel> its_model, const DriveRequests& its_requests)
       : options(given),
         node(its_node),
         base(its_base),
         clock(its_clock),
-        model(std::move(its_model)) {
+        model(std::move(its_model)),
+        requests(its_requests) {
     const DdsOptions::Output& o = options.output;
     if (!o.path.empty()) path = node.advertise<ros::Path>(o.path, kReliableQos);
     if (!o.map.empty()) map = node.advertise<ros::OccupancyGrid>(o.map, kLatchedQos);
@@ -105,6 +107,7 @@ struct DdsPublisher::Impl {
     if (!o.diagnostics.empty()) {
       diagnostics = node.advertise<ros::DiagnosticArray>(o.diagnostics, kReliableQos);
     }
+    if (!o.state.empty()) state = node.advertise<ros::DiagnosticStatus>(o.state, kLatchedQos);
     if (o.transforms || o.odom_transform) {
       transforms = node.advertise<ros::TFMessage>(options.tf, kTransformQos);
     }
@@ -211,16 +214,53 @@ struct DdsPublisher::Impl {
     localization.values = {{"tracked features", std::to_string(belief.tracked_features)}};
     m.status.push_back(std::move(localization));
 
+    m.status.push_back(topics_status());
+    node.publish(diagnostics, m);
+  }
+
+  std::string named(const char* what) const { return options.address.node + ": " + what; }
+
+  ros::DiagnosticStatus topics_status() const {
+    using Status = ros::DiagnosticStatus;
     const std::vector<std::string> faults = node.faults();
     Status topics{faults.empty() ? Status::kOk : Status::kError,
-                  us + "topics",
+                  named("topics"),
                   faults.empty() ? "all fit" : faults.front(),
                   options.address.node,
                   {}};
     for (std::size_t n = 1; n < faults.size(); ++n) {
       topics.values.push_back({"fault " + std::to_string(n + 1), faults[n]});
     }
-    m.status.push_back(std::move(topics));
+    return topics;
+  }
+
+  void publish_status(const DriverStatus& status) {
+    using Status = ros::DiagnosticStatus;
+    const DriveMode mode = status.mode.mode;
+    const std::string told = requests.told();
+    const Status drive{mode == DriveMode::kStopped                               ? Status::kError
+                       : mode == DriveMode::kActive || mode == DriveMode::kReady ? Status::kOk
+                                                                                 : Status::kWarn,
+                       named("drive"),
+                       status.why,
+                       options.address.node,
+                       {{"mode", std::string(to_string(mode))},
+                        {"cause", std::string(to_string(status.mode.cause))},
+                        {"goal", told}}};
+    if (state >= 0) node.publish(state, drive);
+    const double now = clock.now();
+    constexpr double kEvery = 1.0;  // [s]
+    if (diagnostics < 0 || now < next_status) return;
+    next_status = now + kEvery;
+    ros::DiagnosticArray m;
+    m.header.stamp = base.ros_time(now);
+    m.status = {drive,
+                {!told.empty() && requests.told_refused() ? Status::kWarn : Status::kOk,
+                 named("goal"),
+                 told.empty() ? "nothing to tell" : told,
+                 options.address.node,
+                 {}},
+                topics_status()};
     node.publish(diagnostics, m);
   }
 
@@ -245,13 +285,17 @@ struct DdsPublisher::Impl {
   const DdsBase& base;
   const Clock& clock;
   std::shared_ptr<const MotionModel> model;
+  const DriveRequests& requests;
+  double next_status = -1e9;
+  int state = -1;
   int path = -1, map = -1, octree = -1, markers = -1, diagnostics = -1, transforms = -1;
   double next_map = -1e9;
 };
 
 DdsPublisher::DdsPublisher(const DdsOptions& options, DdsNode& node, const DdsBase& base,
-                           const Clock& clock, std::shared_ptr<const MotionModel> model)
-    : impl_(std::make_unique<Impl>(options, node, base, clock, std::move(model))) {}
+                           const Clock& clock, std::shared_ptr<const MotionModel> model,
+                           const DriveRequests& requests)
+    : impl_(std::make_unique<Impl>(options, node, base, clock, std::move(model), requests)) {}
 DdsPublisher::~DdsPublisher() = default;
 
 void DdsPublisher::on_belief(const Belief& belief) {
@@ -267,6 +311,10 @@ void DdsPublisher::on_step(const MissionStep& step) {
   impl_->publish_markers(header, step, poses);
   impl_->publish_diagnostics(header, step);
   impl_->publish_maps(header, belief);
+}
+
+void DdsPublisher::on_status(const DriverStatus& status, const HealthReport&) {
+  impl_->publish_status(status);
 }
 
 }  // namespace prospect

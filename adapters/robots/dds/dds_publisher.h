@@ -7,6 +7,7 @@
 #include "adapters/robots/dds/dds_options.h"
 #include "models/motion_model.h"
 #include "runtime/clock.h"
+#include "runtime/drive_requests.h"
 #include "runtime/mission.h"
 
 namespace prospect {
@@ -19,8 +20,9 @@ namespace prospect {
 ///   octomap      octomap_msgs/msg/Octomap       the octree, three states
 ///   /tf          tf2_msgs/msg/TFMessage         map -> odom, and odom -> base if asked for
 ///   markers      visualization_msgs/msg/MarkerArray   target, plan, landmarks
-///   diagnostics  diagnostic_msgs/msg/DiagnosticArray  what the robot does and why, the base,
-///   topics
+///   diagnostics  diagnostic_msgs/msg/DiagnosticArray  what the robot does and why, topics; once a
+///                                               second the drive mode and what became of goals
+///   state        diagnostic_msgs/msg/DiagnosticStatus  the drive mode, its cause, and why
 ///
 /// Stamps are of the robot's clock (DdsBase::ros_time()). Without odometry there is no map -> odom.
 /// Maps go out every output.map_period.
@@ -30,11 +32,12 @@ namespace prospect {
 class DdsPublisher final : public MissionObserver {
  public:
   DdsPublisher(const DdsOptions& options, DdsNode& node, const DdsBase& base, const Clock& clock,
-               std::shared_ptr<const MotionModel> model);
+               std::shared_ptr<const MotionModel> model, const DriveRequests& requests);
   ~DdsPublisher() override;
 
   void on_belief(const Belief& belief) override;
   void on_step(const MissionStep& step) override;
+  void on_status(const DriverStatus& status, const HealthReport& health) override;
 
  private:
   struct Impl;

@@ -5,6 +5,9 @@
 
 #include "adapters/formats/files/input_error.h"
 #include "adapters/robots/dds/dds_base.h"
+#include "adapters/robots/dds/dds_clock.h"
+#include "adapters/robots/dds/dds_commands.h"
+#include "adapters/robots/dds/dds_navigation.h"
 #include "adapters/robots/dds/dds_node.h"
 #include "adapters/robots/dds/dds_pose.h"
 #include "adapters/robots/dds/dds_publisher.h"
@@ -15,20 +18,37 @@
 namespace prospect {
 namespace {
 
-/// All that the robot's pointers share. The node's thread ends after what has handlers in it.
+/// Stamps of topics that a simulation tells the time of are those of the clock.
+SensorInboxOptions inbox_options(const DdsRobotConfiguration& o) {
+  return o.topics.use_sim_time ? in_runtime_clock(o.inbox) : o.inbox;
+}
+
+/// All that the robot's pointers share. The node's thread ends first.
 struct DdsParts {
   explicit DdsParts(const DdsRobotConfiguration& o)
-      : inbox(clock, o.inbox),
+      : simulation(o.topics.use_sim_time ? std::make_unique<const DdsClock>(
+                                               o.topics.address, o.topics.clock, o.topics.timeout)
+                                         : nullptr),
+        requests(o.requests ? *o.requests : own_requests),
+        clock(simulation ? simulation->clock() : machine),
+        inbox(clock, inbox_options(o)),
         node(o.topics.address),
         transforms(node, o.topics.tf, o.topics.tf_static),
         base(o.topics, node, transforms, clock, o.requests),
         sensors(o.topics, node, transforms, inbox),
-        publisher(o.topics, node, base, clock, o.robot.model) {
+        publisher(o.topics, node, base, clock, o.robot.model, requests),
+        commands(o.topics, node, transforms, requests),
+        navigation(o.topics, node, transforms, base, clock, requests) {
     if (o.topics.is_told_its_pose()) pose.emplace(o.topics, node, transforms, inbox);
     node.start();
   }
+  ~DdsParts() { node.stop(); }
 
-  const SteadyClock clock;
+  const SteadyClock machine;
+  const std::unique_ptr<const DdsClock> simulation;  // null: time is the machine's
+  DriveRequests own_requests;                        // of who gives none, and reads none
+  DriveRequests& requests;
+  const Clock& clock;
   SensorInbox inbox;
   DdsNode node;
   DdsTransforms transforms;
@@ -36,6 +56,8 @@ struct DdsParts {
   const DdsSensors sensors;
   std::optional<DdsPose> pose;  // none: it localizes itself, by cameras or wheels
   DdsPublisher publisher;
+  const DdsCommands commands;
+  DdsNavigation navigation;
 };
 
 }  // namespace
@@ -56,13 +78,14 @@ Robot make_robot(const DdsRobotConfiguration& options) {
   if (parts->pose) robot.start = parts->pose->wait();
   robot.start.position.z() = options.robot.base_height();
   robot.made = parts->clock.now();
+  robot.simulated_time = options.topics.use_sim_time;
   robot.depth = cameras.depth;
   if (cameras.stereo || cameras.depth || cameras.lidar) {
     robot.description = robot_with(cameras, options.robot);
     robot.described_by = "the robot's topics";
   }
   robot.emergency_stop = parts->base.emergency_stop();
-  robot.observers = {&parts->publisher};
+  robot.observers = {&parts->publisher, &parts->navigation};
   robot.link_faults = [parts] { return parts->node.faults(); };
   return robot;
 }

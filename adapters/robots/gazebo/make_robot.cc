@@ -34,12 +34,6 @@ GazeboTruth::Stamped first_pose(GazeboTruth& truth, const GazeboOptions& options
                    " s; expected a model of that name in a world that runs");
 }
 
-SensorInboxOptions in_simulated_time(SensorInboxOptions options) {
-  options.cameras_in_runtime_clock = options.wheels_in_runtime_clock =
-      options.depth_in_runtime_clock = true;
-  return options;
-}
-
 /// All that the robot's pointers share.
 struct GazeboParts {
   explicit GazeboParts(const GazeboRobotConfiguration& o)
@@ -48,7 +42,7 @@ struct GazeboParts {
         truth(std::in_place, o.gazebo),
         first(first_pose(*truth, o.gazebo)),
         faulty_base(base, clock, o.faults, first.stamp),
-        inbox(clock, FaultyFrames::inbox_options(in_simulated_time(o.inbox), o.faults)),
+        inbox(clock, FaultyFrames::inbox_options(in_runtime_clock(o.inbox), o.faults)),
         frames(clock, inbox, o.faults, first.stamp, o.gazebo.depth_range),
         sensors(o.gazebo, clock, frames) {}
 

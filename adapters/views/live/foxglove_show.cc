@@ -33,7 +33,7 @@ struct Told {
 }  // namespace
 
 struct FoxgloveShow::Impl {
-  Impl(const MissionMessageOptions& options, LiveCommands& its_commands)
+  Impl(const MissionMessageOptions& options, DriveCommands& its_commands)
       : commands(its_commands),
         channels(mission_channels()),
         newest(channels.size()),
@@ -57,7 +57,7 @@ struct FoxgloveShow::Impl {
 
   void tell(std::size_t channel, Told told);
 
-  LiveCommands& commands;
+  DriveCommands& commands;
   const std::vector<McapLog::Channel> channels;
   std::vector<foxglove::Channel> offered;
   std::vector<bool> large;
@@ -77,7 +77,8 @@ class FoxgloveViewer final : public Viewer {
     say(foxglove::advertise(show_.offered));
     if (may_command_) {
       std::vector<std::string> services;
-      for (const std::string& name : LiveCommands::names()) services.push_back("/prospect/" + name);
+      for (const std::string& name : DriveCommands::names())
+        services.push_back("/prospect/" + name);
       say(foxglove::advertise_services(services));
     }
   }
@@ -197,7 +198,7 @@ class FoxgloveViewer final : public Viewer {
     return true;
   }
   bool take(const foxglove::ServiceCall& call) {
-    const std::vector<std::string> names = LiveCommands::names();
+    const std::vector<std::string> names = DriveCommands::names();
     if (!may_command_ || call.service >= names.size()) {
       say(foxglove::service_failure(call.service, call.call,
                                     "no such service for one without the token"));
@@ -250,7 +251,7 @@ void FoxgloveShow::Impl::tell(std::size_t channel, Told told) {
   for (FoxgloveViewer* viewer : viewers) viewer->tell(channel, newest[channel]);
 }
 
-FoxgloveShow::FoxgloveShow(const MissionMessageOptions& options, LiveCommands& commands) {
+FoxgloveShow::FoxgloveShow(const MissionMessageOptions& options, DriveCommands& commands) {
   MissionMessageOptions whole = options;
   whole.whole_map_every = 0.0;
   impl_ = std::make_unique<Impl>(whole, commands);

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "adapters/missions/log/mission_messages.h"
-#include "adapters/views/live/live_commands.h"
 #include "adapters/views/live/live_feed.h"
 #include "adapters/views/live/viewer.h"
+#include "runtime/drive_commands.h"
 
 namespace prospect {
 
@@ -26,7 +26,7 @@ class FoxgloveShow {
 
   /// options: as of the mission's log, if it has one. `commands` outlive it. Throws InputError if
   /// the codecs of its pictures cannot be loaded.
-  FoxgloveShow(const MissionMessageOptions& options, LiveCommands& commands);
+  FoxgloveShow(const MissionMessageOptions& options, DriveCommands& commands);
   ~FoxgloveShow();
 
   void add(const LiveFeed::News& news);

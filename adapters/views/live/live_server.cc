@@ -475,7 +475,7 @@ struct LiveServer::Impl {
     thread.join();
   }
 
-  LiveCommands commands;
+  DriveCommands commands;
   PageShow page;
   FoxgloveShow messages;
   LiveFeed& feed;

@@ -112,7 +112,7 @@ class PageViewer final : public Viewer {
   std::uint64_t dropped_ = 0;
 };
 
-PageShow::PageShow(double resolution, bool real_time, LiveCommands& commands)
+PageShow::PageShow(double resolution, bool real_time, DriveCommands& commands)
     : resolution_(resolution), real_time_(real_time), commands_(commands) {
   load_image_codecs();
   renew_status();

@@ -9,11 +9,11 @@
 #include <tuple>
 #include <vector>
 
-#include "adapters/views/live/live_commands.h"
 #include "adapters/views/live/live_feed.h"
 #include "adapters/views/live/live_page.h"
 #include "adapters/views/live/step_history.h"
 #include "adapters/views/live/viewer.h"
+#include "runtime/drive_commands.h"
 
 namespace prospect {
 
@@ -24,7 +24,7 @@ class PageShow {
  public:
   /// resolution [m] of the ground cells. real_time: else a simulation in lockstep. `commands`
   /// outlives it. Throws InputError if the codecs of its pictures cannot be loaded.
-  PageShow(double resolution, bool real_time, LiveCommands& commands);
+  PageShow(double resolution, bool real_time, DriveCommands& commands);
 
   void add(const LiveFeed::News& news);
   /// Tells the viewers of each other.
@@ -54,7 +54,7 @@ class PageShow {
 
   const double resolution_;
   const bool real_time_;
-  LiveCommands& commands_;
+  DriveCommands& commands_;
   StepHistory history_;
   std::shared_ptr<const LiveDriver> driver_;
   std::deque<Event> events_;  // the newest

@@ -85,7 +85,8 @@ TEST(DdsPublisher, TellsTheOtherNodesWhatTheMissionDoes) {
   const DdsTransforms transforms(node);
   const DdsBase base(options, node, transforms, clock);
   const auto model = std::make_shared<const Unicycle>();
-  DdsPublisher publisher(options, node, base, clock, model);
+  DriveRequests requests;
+  DdsPublisher publisher(options, node, base, clock, model, requests);
   node.start();
 
   Belief belief;

@@ -9,13 +9,16 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <cstdint>
 #include <mutex>
 #include <string>
 #include <vector>
 
 #include "adapters/formats/ros/geometry_msgs.h"
+#include "adapters/formats/ros/nav2_msgs.h"
 #include "adapters/formats/ros/sensor_msgs.h"
+#include "adapters/robots/dds/dds_navigation.h"
 #include "adapters/robots/dds/dds_node.h"
 #include "tests/adapters/dds_pair.h"
 #include "tests/adapters/fast_node.h"
@@ -92,6 +95,70 @@ TEST(DdsVendors, FastDdsReadsOurCommands) {
   EXPECT_EQ(frame, "base_link");
   EXPECT_EQ(twist[0], 0.25);
   EXPECT_EQ(twist[5], -0.5);
+}
+
+/// A client of the action NavigateToPose: bytes as rmw_cyclonedds sends them, by another's hands.
+TEST(DdsVendors, AGoalOfTheActionIsTakenAndAnswered) {
+  const DdsOptions options;
+  const SteadyClock clock;
+  DdsNode ours(test::dds_test_address("prospect"));
+  const DdsTransforms transforms(ours);
+  const DdsBase base(options, ours, transforms, clock);
+  DriveRequests requests;
+  const DdsNavigation navigation(options, ours, transforms, base, clock, requests);
+  ours.start();
+
+  FastNode theirs(test::dds_test_address());
+  const std::string service = options.action + "/_action/send_goal";
+  const int ask = theirs.advertise<ros::NavigateToPoseSendGoalRequest>(
+      service, kReliableQos, "rq/prospect/navigate_to_pose/_action/send_goalRequest");
+  std::mutex mutex;
+  std::string bytes;
+  theirs.subscribe_bytes<ros::NavigateToPoseSendGoalResponse>(
+      service, kReliableQos,
+      [&](const std::string& cdr) {
+        const std::lock_guard lock(mutex);
+        bytes = cdr;
+      },
+      "rr/prospect/navigate_to_pose/_action/send_goalReply");
+
+  eprosima::fastcdr::FastBuffer buffer;
+  eprosima::fastcdr::Cdr cdr(buffer, eprosima::fastcdr::Cdr::LITTLE_ENDIANNESS,
+                             eprosima::fastcdr::Cdr::DDS_CDR);
+  cdr.serialize_encapsulation();
+  cdr << std::uint64_t{0x0102030405060708} << std::int64_t{5};  // who asks, and which question
+  for (int n = 0; n < 16; ++n) cdr << static_cast<std::uint8_t>(n);
+  cdr << std::int32_t{0} << std::uint32_t{0} << std::string("map") << 2.5 << -1.5 << 0.0 << 0.0
+      << 0.0 << 1.0 << 0.0 << std::string("");
+  const std::string request(buffer.getBuffer(), cdr.getSerializedDataLength());
+  const auto came = [&] {
+    const std::lock_guard lock(mutex);
+    return !bytes.empty();
+  };
+  int looked = 0;
+  ASSERT_TRUE(within(kPatience, came, [&] {
+    if (looked++ % 50 == 0) theirs.publish(ask, request);
+  }));
+  const auto place = requests.take_place();
+  ASSERT_TRUE(place);
+  EXPECT_EQ(place->position, Eigen::Vector2d(2.5, -1.5));
+  EXPECT_NEAR(std::abs(place->yaw.value()), M_PI, 1e-9);
+
+  const std::lock_guard lock(mutex);
+  eprosima::fastcdr::FastBuffer answer(bytes.data(), bytes.size());
+  eprosima::fastcdr::Cdr read(answer, eprosima::fastcdr::Cdr::LITTLE_ENDIANNESS,
+                              eprosima::fastcdr::Cdr::DDS_CDR);
+  read.read_encapsulation();
+  std::uint64_t client = 0;
+  std::int64_t number = 0;
+  bool accepted = false;
+  std::int32_t seconds = 0;
+  read >> client >> number >> accepted >> seconds;
+  EXPECT_EQ(client, 0x0102030405060708u);
+  EXPECT_EQ(number, 5);
+  EXPECT_TRUE(accepted);
+  EXPECT_GT(seconds, 1'600'000'000);  // of the time of day
+  ours.stop();
 }
 
 }  // namespace

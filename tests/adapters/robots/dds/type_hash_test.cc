@@ -6,8 +6,12 @@
 #include <utility>
 #include <vector>
 
+#include "adapters/formats/ros/diagnostic_msgs.h"
+#include "adapters/formats/ros/nav2_msgs.h"
 #include "adapters/formats/ros/nav_msgs.h"
+#include "adapters/formats/ros/rosgraph_msgs.h"
 #include "adapters/formats/ros/sensor_msgs.h"
+#include "adapters/formats/ros/std_srvs.h"
 #include "adapters/formats/ros/tf2_msgs.h"
 #include "adapters/formats/ros/visualization_msgs.h"
 #include "adapters/robots/dds/dds_names.h"
@@ -49,6 +53,32 @@ TEST(TypeHash, IsTheOneThatRos2Publishes) {
        "RIHS01_5f0fcd4f81d5d06ad9b4c4c63e3ea51b82d6ae4d0558f1d475229b1121db6f64"},
       {ros::definition_of<ros::Twist>(),
        "RIHS01_9c45bf16fe0983d80e3cfe750d6835843d265a9a6c46bd2e609fcddde6fb8d2a"},
+      {ros::definition_of<ros::DiagnosticStatus>(),
+       "RIHS01_b0e3e692ea2d54a8af2f4ef1930e81556a2db55216b771f8a7d2724ed47bf0e4"},
+      {ros::definition_of<ros::DiagnosticArray>(),
+       "RIHS01_5a8a36efb05fb25070fa0fb3810290c0e6cd4862b54a8fb975a1ee8dc55a333e"},
+      {ros::definition_of<ros::Clock>(),
+       "RIHS01_692f7a66e93a3c83e71765d033b60349ba68023a8c689a79e48078bcb5c58564"},
+      {ros::definition_of<ros::TriggerRequest>(),
+       "RIHS01_d010825374ce8918e72bfd826c82603e60f45419e932ea976f807b74a863a199"},
+      {ros::definition_of<ros::TriggerResponse>(),
+       "RIHS01_2d946c21e2fc3f1e9ca6986a8191d85fcc70097a8bb7771a053564bc47009cdf"},
+      {ros::definition_of<ros::GoalStatusArray>(),
+       "RIHS01_6c1684b00f177d37438febe6e709fc4e2b0d4248dca4854946f9ed8b30cda83e"},
+      {ros::definition_of<ros::CancelGoalRequest>(),
+       "RIHS01_3d3c84653c1f96918086887e1dcb236faec88b81a5b14fd4cf4840065bcdf8af"},
+      {ros::definition_of<ros::CancelGoalResponse>(),
+       "RIHS01_35e682cf3f510e83c70a82a4aac888496dedee56773bf9d8e5e0aa81f9e1c960"},
+      {ros::definition_of<ros::NavigateToPoseSendGoalRequest>(),
+       "RIHS01_e9381f2acfe9fa8c4838a277d0cde28a93c483564827b9f13496b9c2092e4f09"},
+      {ros::definition_of<ros::NavigateToPoseSendGoalResponse>(),
+       "RIHS01_99f97fcbb07daf024df4b8c3f02f19ce7fa3183fcedfb76b8772a61a371a55fa"},
+      {ros::definition_of<ros::NavigateToPoseGetResultRequest>(),
+       "RIHS01_106d3457cf0db4c4a8d3373bab3ff6aa8ba8ad99ae6392ce9784830a7d04ac93"},
+      {ros::definition_of<ros::NavigateToPoseGetResultResponse>(),
+       "RIHS01_c59f178c377de5318919c00bdbf7884cb3b185acfdffceba6c9f161e0aa3cc81"},
+      {ros::definition_of<ros::NavigateToPoseFeedbackMessage>(),
+       "RIHS01_2c1b4ec1a0e3a53c9aa326aabe717670eeef0ff3d4c3351ff940613b2011728a"},
       {ros::definition_of<ros::Bool>(),
        "RIHS01_feb91e995ff9ebd09c0cb3d2aed18b11077585839fb5db80193b62d74528f6c9"}};
   for (const auto& [definition, hash] : rows) {
@@ -58,6 +88,9 @@ TEST(TypeHash, IsTheOneThatRos2Publishes) {
 
 TEST(DdsNames, AreThoseOfRos2) {
   EXPECT_EQ(dds_topic("/left/image_raw"), "rt/left/image_raw");
+  EXPECT_EQ(dds_requests("/prospect/hold"), "rq/prospect/holdRequest");
+  EXPECT_EQ(dds_replies("/prospect/hold"), "rr/prospect/holdReply");
+  EXPECT_EQ(dds_type("std_srvs/srv/Trigger_Request"), "std_srvs::srv::dds_::Trigger_Request_");
   EXPECT_EQ(dds_type("sensor_msgs/msg/Image"), "sensor_msgs::msg::dds_::Image_");
   EXPECT_EQ(ros_type("sensor_msgs::msg::dds_::Image_"), "sensor_msgs/msg/Image");
   EXPECT_EQ(ros_type("Image"), "Image");

@@ -69,7 +69,7 @@ class FoxgloveShowTest : public ::testing::Test {
   }
 
   DriveRequests requests_;
-  LiveCommands commands_{requests_};
+  DriveCommands commands_{requests_};
   FoxgloveShow show_{options(), commands_};
 };
 
@@ -158,12 +158,12 @@ TEST_F(FoxgloveShowTest, APublishedPoseIsAPlaceToGoTo) {
   ASSERT_TRUE(viewer->message(std::string("\1\3\0\0\0", 5) + ros::to_cdr(pose), false));
   auto place = requests_.take_place();
   ASSERT_TRUE(place);
-  EXPECT_EQ(*place, Eigen::Vector2d(1.5, -2.0));
+  EXPECT_EQ(place->position, Eigen::Vector2d(1.5, -2.0));
   ASSERT_TRUE(viewer->message(
       std::string("\1\4\0\0\0", 5) + R"({"pose":{"position":{"x":3,"y":4.5,"z":0}}})", false));
   place = requests_.take_place();
   ASSERT_TRUE(place);
-  EXPECT_EQ(*place, Eigen::Vector2d(3.0, 4.5));
+  EXPECT_EQ(place->position, Eigen::Vector2d(3.0, 4.5));
   EXPECT_TRUE(told(*viewer).texts.empty());
   // In another frame it is another place.
   pose.header.frame_id = "map";

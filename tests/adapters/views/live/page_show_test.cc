@@ -58,7 +58,7 @@ class PageShowTest : public ::testing::Test {
   }
 
   DriveRequests requests_;
-  LiveCommands commands_{requests_};
+  DriveCommands commands_{requests_};
   PageShow show_{0.1, true, commands_};
 };
 
@@ -129,7 +129,7 @@ TEST_F(PageShowTest, CommandsReachTheRobot) {
   EXPECT_EQ(refused(*viewer, R"({"op":"command","name":"go","x":1.5,"y":-2})"), "");
   const auto place = requests_.take_place();
   ASSERT_TRUE(place);
-  EXPECT_EQ(*place, Eigen::Vector2d(1.5, -2.0));
+  EXPECT_EQ(place->position, Eigen::Vector2d(1.5, -2.0));
   EXPECT_EQ(refused(*viewer, R"({"op":"command","name":"stop"})"), "");
   EXPECT_TRUE(requests_.take_emergency_stop());
   EXPECT_FALSE(requests_.told_to_drive()) << "an acknowledgement alone must not start it";
@@ -194,7 +194,7 @@ TEST_F(PageShowTest, StatusTellsWhatWasAskedAndWhatBecameOfThePlace) {
   const auto viewer = show_.viewer(false);
   told(*viewer);
   requests_.hold();
-  requests_.tell("It is there.");
+  requests_.tell({0, DetourState::kThere, "It is there."});
   show_.add({});
   const std::vector<json> status = of(told(*viewer), "status");
   ASSERT_EQ(status.size(), 1U);
