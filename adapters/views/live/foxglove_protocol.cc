@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "adapters/formats/ros/cdr.h"
+#include "adapters/formats/ros/std_srvs.h"
 
 namespace prospect::foxglove {
 namespace {
@@ -15,19 +16,6 @@ using Json = nlohmann::ordered_json;
 // The first byte of a binary message.
 constexpr char kMessageData = 1, kServiceResponse = 3;           // of the server
 constexpr char kClientMessageData = 1, kServiceCallRequest = 2;  // of a client
-
-/// What a Trigger answers.
-struct TriggerResponse {
-  static constexpr const char* kType = "std_srvs/srv/Trigger_Response";
-  bool success = false;
-  std::string message;
-
-  template <class Message, class Visit>
-  static void fields(Message& m, Visit&& visit) {
-    visit("success", m.success);
-    visit("message", m.message);
-  }
-};
 
 std::string text_of(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
@@ -193,7 +181,7 @@ std::string service_response(std::uint32_t service, std::uint32_t call, bool suc
   add(bytes, service);
   add(bytes, call);
   add(bytes, std::uint32_t{3});
-  return bytes + "cdr" + ros::to_cdr(TriggerResponse{success, message});
+  return bytes + "cdr" + ros::to_cdr(ros::TriggerResponse{success, message});
 }
 
 std::string service_failure(std::uint32_t service, std::uint32_t call, const std::string& message) {
