@@ -144,15 +144,18 @@ struct StereoOdometry::Impl {
     return out;
   }
 
-  /// Nothing was measured: hold the pose and let its covariance grow with what the robot may do.
-  void hold(double dt) {
+  /// Nothing was measured at `stamp`: hold the pose, and let its covariance grow with what the
+  /// robot may have done since. It goes on as it did or otherwise, but not each frame anew: the
+  /// deviation grows with the time, not with its root.
+  void hold(double stamp) {
+    if (!started) return;  // the first pose is where the map begins
+    const double since = std::max(0.0, stamp - trusted.stamp);
+    const double before = std::clamp(since - clock.step(), 0.0, since);
+    const double squares = since * since - before * before;
     const Vector6d velocity = trusted.velocity.value_or(Vector6d::Zero());
-    const double t = std::max(0.0, dt) * (0.2 + velocity.head<3>().norm());
-    const double w = std::max(0.0, dt) * (0.2 + velocity.tail<3>().norm());
-    for (int i = 0; i < 3; ++i) {
-      covariance(i, i) += t * t;
-      covariance(i + 3, i + 3) += w * w;
-    }
+    const double t = 0.2 + velocity.head<3>().norm(), w = 0.2 + velocity.tail<3>().norm();
+    covariance.diagonal().head<3>().array() += squares * t * t;
+    covariance.diagonal().tail<3>().array() += squares * w * w;
   }
 
   /// Cells of the image with sides of `cell` [px].
@@ -201,6 +204,12 @@ struct StereoOdometry::Impl {
       return true;
     };
     if (measured && trusted.velocity && retry(tracks, as_before())) return candidate;
+    // After a while of blur or darkness a robot that has gone on is nowhere near.
+    const double since = stamp - trusted.stamp;
+    if (trusted.velocity && since > TrustedPose::kLikely &&
+        retry(tracks, trusted.continued(stamp, since))) {
+      return candidate;
+    }
     if (retry(tracks, turned(trusted.T_CW, trusted.coarse))) return candidate;
     for (auto recall = recalls.all().rbegin(); recall != recalls.all().rend(); ++recall) {
       if (retry(recall->tracks, turned(recall->T_CW, recall->coarse))) return candidate;
@@ -405,7 +414,7 @@ struct StereoOdometry::Impl {
   /// A frame that was not located; after long a map begins anew.
   OdometryFrame lost_frame(double stamp, FrameImages now, OdometryFrame& out) {
     for (Track& t : tracks) t.tracked = t.inlier = t.has_right = false;
-    hold(clock.step());
+    hold(stamp);
     const double since_good = stamp - trusted.stamp;
     if (!(options.restart_after > 0.0 && since_good > options.restart_after)) {
       return finished(out, Localization::kLost, {});
@@ -434,14 +443,14 @@ OdometryFrame StereoOdometry::Impl::process(double stamp, const ImageView& left,
   if (!untimely.empty()) return finished(out, Localization::kLost, untimely);
   const std::string wrong = wrong_size(camera.left, left, right);
   if (!wrong.empty()) {
-    hold(clock.step());
+    hold(stamp);
     return finished(out, Localization::kLost, wrong);
   }
 
   Stopwatch watch;
   const std::string frozen = started ? images.find(left, right) : std::string();
   if (!frozen.empty()) {
-    hold(clock.step());
+    hold(stamp);
     out.times.pyramids = watch.lap();
     const bool long_ago = stamp - trusted.stamp > 3.0 * std::max(clock.period(), 1e-3);
     return finished(out, long_ago ? Localization::kLost : Localization::kDegraded, frozen);

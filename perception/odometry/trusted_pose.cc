@@ -15,8 +15,8 @@ void TrustedPose::take(const Eigen::Isometry3d& pose, double now, const PyramidL
   coarse = image;
 }
 
-Eigen::Isometry3d TrustedPose::continued(double now) const {
-  return exp_se3(*velocity * std::min(now - stamp, 0.5)) * T_CW;
+Eigen::Isometry3d TrustedPose::continued(double now, double longest) const {
+  return exp_se3(*velocity * std::min(now - stamp, longest)) * T_CW;
 }
 
 }  // namespace prospect

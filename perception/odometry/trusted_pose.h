@@ -19,9 +19,11 @@ struct TrustedPose {
   /// The newest pose of all, at `now` [s]. After more than a second the motion counts as not known.
   void take(const Eigen::Isometry3d& pose, double now, const PyramidLevel& image);
 
-  /// The pose at `now` if the camera goes on as it did, for half a second at most: a motion does
-  /// not go on for ever. The velocity must be known.
-  Eigen::Isometry3d continued(double now) const;
+  /// The pose at `now` if the camera goes on as it did for `longest` [s] at most: a motion does not
+  /// go on for ever. The velocity must be known.
+  Eigen::Isometry3d continued(double now, double longest = kLikely) const;
+
+  static constexpr double kLikely = 0.5;  ///< [s] for which a motion is likely to go on
 };
 
 }  // namespace prospect

@@ -417,6 +417,28 @@ TEST(StereoOdometry, FaultsAreNoticedAndOvercome) {
   }
 }
 
+TEST(StereoOdometry, AfterASecondOfDarknessItGoesOnWhereTheRobotHasGone) {
+  // 0.5 rad/s: the view has moved by 29 degrees when there is light again.
+  const RenderedRoom room;
+  const auto pose = [](int k) {
+    return RenderedRoom::looking(-1.0 + 0.04 * k, -0.2, 1.05, -0.5 + 0.05 * k);
+  };
+  StereoOdometry odometry(small_camera(), {}, pose(0));
+  for (int k = 0; k < 16; ++k) {
+    SCOPED_TRACE(k);
+    const bool dark = k >= 4 && k < 14;
+    auto pair = room.render(small_camera(), pose(k), 2.0, k);
+    if (dark) {
+      pair.left = pair.right = Image(480, 360);
+      pair.left.at(k, 0) = 1;  // no picture is frozen
+    }
+    const auto frame = odometry.process(kPeriod * k, pair.left.view(), pair.right.view());
+    EXPECT_FALSE(frame.restarted);
+    EXPECT_EQ(frame.state == Localization::kLost, dark) << frame.reason;
+    if (!dark) EXPECT_LT((frame.T_WC.translation() - pose(k).translation()).norm(), 0.02);
+  }
+}
+
 TEST(StereoOdometry, LostForLongBeginsANewMapAndSaysSo) {
   const Sequence& s = moving();
   StereoOdometryOptions options;
@@ -437,6 +459,8 @@ TEST(StereoOdometry, LostForLongBeginsANewMapAndSaysSo) {
     if (!restarted) {
       EXPECT_EQ(frame.state, Localization::kLost);
       EXPECT_GT(frame.covariance(0, 0), sigma_before);
+      // It went at 0.5 m/s when it was seen last, and may have gone on.
+      EXPECT_GT(std::sqrt(frame.covariance(0, 0)), 0.5 * kPeriod * (k - 4)) << k;
       sigma_before = frame.covariance(0, 0);
     } else {
       EXPECT_EQ(frame.state, Localization::kDegraded);

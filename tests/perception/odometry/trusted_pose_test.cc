@@ -16,6 +16,7 @@ TEST(TrustedPose, GoesOnAsItDidForAWhile) {
   EXPECT_NEAR((*pose.velocity)[0], 2.0, 1e-12);
   EXPECT_NEAR(pose.continued(0.3).translation().x(), 0.6, 1e-12);
   EXPECT_NEAR(pose.continued(9.0).translation().x(), 1.2, 1e-12);  // half a second of it
+  EXPECT_NEAR(pose.continued(1.6, 5.0).translation().x(), 3.2, 1e-12);
 }
 
 TEST(TrustedPose, KnowsNoMotionAfterLong) {
