@@ -28,6 +28,7 @@ namespace msgs = gazebo::msgs;
 constexpr double kPoll = 0.001;      // [s]
 constexpr double kPoseEvery = 0.02;  // [s] of the machine; Gazebo's own limit is 1/60
 constexpr double kPosePatience = 0.05;
+constexpr double kAskAgain = 0.5;   // [s] of the machine
 constexpr double kWarmUp = 1.0;     // [s] of the simulation
 constexpr double kRounding = 1e-6;  // of a step
 
@@ -156,8 +157,15 @@ struct SteppedGazebo::Impl {
     out.set_id(++request);
     out.set_request(what);
     out.set_data(of);
-    publish("request", out);
-    return wait("answer to " + what, [&] { return response.has_value(); });
+    // Who answers may not have heard yet that somebody listens.
+    double again = machine.now();
+    return wait("answer to " + what, [&] {
+      if (!response && machine.now() >= again) {
+        publish("request", out);
+        again = machine.now() + kAskAgain;
+      }
+      return response.has_value();
+    });
   }
 
   void describe_robot() {
