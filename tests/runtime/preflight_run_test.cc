@@ -107,8 +107,8 @@ TEST_F(PreflightRun, TurnsAndCompares) {
   const PreflightResult result = make();
   EXPECT_TRUE(result.yaw_checked);
   EXPECT_EQ(first_failed(result.checks), "") << to_text(result.checks);
-  for (const char* name : {"yaw of the wheels", "yaw of the pose", "slip", "way of the wheels",
-                           "way of the pose"}) {
+  for (const char* name :
+       {"yaw of the wheels", "yaw of the pose", "slip", "way of the wheels", "way of the pose"}) {
     EXPECT_NE(check(result, name).verdict, Verdict::kNotPossible) << check(result, name).why;
   }
   EXPECT_GT(base_.pose().yaw, 0.1);

@@ -46,8 +46,8 @@ std::vector<Link> dds_links(const DdsOptions& o, const SensorInboxOptions& inbox
        .topic = o.odometry,
        .heartbeat = kOdometrySilence,
        .frame = o.odometry_by_tf ? known_to_tf : o.frames.base,
-       .values =
-           o.tells_odometry_pose() ? "finite numbers, a unit quaternion" : "finite numbers, a stamp",
+       .values = o.tells_odometry_pose() ? "finite numbers, a unit quaternion"
+                                         : "finite numbers, a stamp",
        .absent = kBaseFault,
        .doubled = kBaseFault,
        .wrong = kBaseFault});

@@ -13,8 +13,8 @@ namespace prospect {
 
 /// The world of a Gazebo that stands, and goes on by as many steps of its physics as it is told.
 /// Poses, wheels, and which frames come when rest on the world and the calls alone, to the bit, and
-/// not on how fast anybody is. Pixels do not: the noise that Gazebo adds differs from run to run
-/// although it is seeded (docs/results/gazebo.md).
+/// not on how fast anybody is. Pixels do not: they differ from run to run, also with the same seed
+/// (docs/results/gazebo.md).
 ///
 /// Stamps. With h the step and f the rate of a camera, its k-th frame is stamped within
 /// [k / f, k / f + h], by the rounding of Gazebo. It is due from the step ceil(k / (f h)) + 1 on,

@@ -430,12 +430,14 @@ TEST(StereoOdometry, AfterASecondOfDarknessItGoesOnWhereTheRobotHasGone) {
     auto pair = room.render(small_camera(), pose(k), 2.0, k);
     if (dark) {
       pair.left = pair.right = Image(480, 360);
-      pair.left.at(k, 0) = 1;  // no picture is frozen
+      pair.left.at(k, 0) = pair.right.at(k, 0) = 1;  // no picture is frozen
     }
     const auto frame = odometry.process(kPeriod * k, pair.left.view(), pair.right.view());
     EXPECT_FALSE(frame.restarted);
     EXPECT_EQ(frame.state == Localization::kLost, dark) << frame.reason;
-    if (!dark) EXPECT_LT((frame.T_WC.translation() - pose(k).translation()).norm(), 0.02);
+    if (!dark) {
+      EXPECT_LT((frame.T_WC.translation() - pose(k).translation()).norm(), 0.02);
+    }
   }
 }
 

@@ -558,9 +558,9 @@ TEST(KnobMembers, EveryNumberAndSwitchOfDrivingIsAKnob) {
     GazeboOptions o;
     [[maybe_unused]] auto& [address, world, model, link, stereo, depth, left_wheel, right_wheel,
                             depth_width, wheel_radius, wheel_separation, turned_yaw, dead_man,
-                            period, depth_range] = o;
+                            period, silence, depth_range] = o;
     EXPECT_KNOBS(o, address.port, address.timeout, depth_width, wheel_radius, wheel_separation,
-                 turned_yaw, dead_man, period);
+                 turned_yaw, dead_man, period, silence);
   }
 }
 

@@ -9,6 +9,7 @@
 #include <variant>
 
 #include "adapters/robots/gazebo/gazebo_truth.h"
+#include "runtime/sensor_inbox.h"
 #include "tests/adapters/fake_gazebo.h"
 
 namespace prospect::gazebo_sensors_test {

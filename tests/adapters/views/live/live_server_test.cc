@@ -166,7 +166,8 @@ TEST_F(LiveServerTest, AViewerThatReadsNothingCostsTheOthersNothingAndIsGivenUp)
   EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count(), 60.0);
   bool alone = false;
   for (int k = 0; k < 100 && !alone; ++k) {
-    requests_.tell(std::to_string(k));  // so that there is a status to be told
+    requests_.tell(
+        {1, DetourState::kOnTheWay, std::to_string(k)});  // so that there is a status to be told
     const json status = next(reader, "status");
     if (status.is_null()) break;
     alone = status["viewers"] == 1;
