@@ -444,6 +444,7 @@ done
 [[ "$(grep '^    "solver": ' out.txt | tr -d ' ",' | tr '\n' ' ')" == \
   "solver:nlopt solver:ipopt solver:sampling " ]] || fail "solve: not the solvers that were asked for"
 succeeds "solve as a table" solve office@3 --solver sampling
+named "solve as a table" sampling control_effort
 succeeds "solve with an option" solve office@3 --solver hybrid,patience=2,nlopt
 grep -q '^hybrid,patience=2 ' out.txt || fail "solve: no row of a back end with its option"
 refused "an option that a back end does not have" "has no option 'patience'" "expected" \
@@ -451,7 +452,6 @@ refused "an option that a back end does not have" "has no option 'patience'" "ex
 # No time is no missing library.
 run solve office@3 --solver nlopt,hybrid --deadline 1e-6
 ((code == 1)) || fail "solve with no time: exit $code"
-named "solve as a table" sampling control_effort
 
 # --- Problem files: of a mission that goes on as if none was written, and solved as if one was there.
 for n in saved saved_again; do

@@ -4,6 +4,7 @@
 
 #include "adapters/formats/ros/geometry_msgs.h"
 #include "adapters/formats/ros/nav_msgs.h"
+#include "adapters/formats/ros/rosgraph_msgs.h"
 #include "adapters/formats/ros/sensor_msgs.h"
 #include "adapters/formats/ros/std_msgs.h"
 #include "adapters/formats/ros/tf2_msgs.h"
@@ -145,6 +146,15 @@ constexpr FieldRule kBool[] = {
     {"data", kUsed},
 };
 
+constexpr FieldRule kString[] = {
+    {"data", kUsed},
+};
+
+constexpr FieldRule kClock[] = {
+    {"clock.sec", kUsed},
+    {"clock.nanosec", kUsed},
+};
+
 }  // namespace
 
 std::span<const FieldRule> fields_of(const char* type) {
@@ -162,6 +172,8 @@ std::span<const FieldRule> fields_of(const char* type) {
   if (name == ros::TwistStamped::kType) return kTwistStamped;
   if (name == ros::TwistWithCovarianceStamped::kType) return kTwistWithCovarianceStamped;
   if (name == ros::Bool::kType) return kBool;
+  if (name == ros::String::kType) return kString;
+  if (name == ros::Clock::kType) return kClock;
   return {};
 }
 

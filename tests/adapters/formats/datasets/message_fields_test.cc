@@ -25,6 +25,7 @@
 #include "adapters/formats/ros/geometry_msgs.h"
 #include "adapters/formats/ros/message_definition.h"
 #include "adapters/formats/ros/nav_msgs.h"
+#include "adapters/formats/ros/rosgraph_msgs.h"
 #include "adapters/formats/ros/sensor_msgs.h"
 #include "adapters/formats/ros/tf2_msgs.h"
 
@@ -208,7 +209,7 @@ TEST(MessageFields, OfAllTypesThatAreRead) {
   for (const std::string& type : types) {
     bool known = false;
     for (const char* package :
-         {"sensor_msgs", "geometry_msgs", "nav_msgs", "tf2_msgs", "std_msgs"}) {
+         {"sensor_msgs", "geometry_msgs", "nav_msgs", "tf2_msgs", "std_msgs", "rosgraph_msgs"}) {
       known = known || !fields_of((std::string(package) + "/msg/" + type).c_str()).empty();
     }
     EXPECT_TRUE(known) << type;
@@ -370,6 +371,14 @@ TEST(MessageFields, OfOdometryAndTwists) {
 TEST(MessageFields, OfBool) {
   check<ros::Bool>({{true}, {false}}, [](std::string_view cdr) {
     return text(ros::from_cdr<ros::Bool>(cdr, "m").data);
+  });
+}
+
+TEST(MessageFields, OfStringAndClock) {
+  check<ros::String>(
+      {{"hold"}}, [](std::string_view cdr) { return ros::from_cdr<ros::String>(cdr, "m").data; });
+  check<ros::Clock>({{{3, 5}}}, [](std::string_view cdr) {
+    return text(ros::seconds(ros::from_cdr<ros::Clock>(cdr, "m").clock));
   });
 }
 
