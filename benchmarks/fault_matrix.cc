@@ -36,7 +36,10 @@ std::string number(const std::optional<double>& value) {
 
 void print_row(const FaultCase& one, const FaultOutcome& o) {
   std::string name;
-  for (const InjectedFault& fault : one.faults) name += (name.empty() ? "" : ",") + name_of(fault);
+  for (const InjectedFault& fault : one.faults) {
+    if (!name.empty()) name += ',';
+    name += name_of(fault);
+  }
   std::printf("| `%s` | %.2f | %s | %s | %s | %s | %s | %s | %s | %d |\n", name.c_str(), o.speed,
               o.stop_time ? o.cause.c_str() : "drives on", number(o.stop_time).c_str(),
               number(o.stop_distance).c_str(), number(o.named_time).c_str(),
