@@ -15,6 +15,7 @@
 
 #include "adapters/formats/problem_file/hdf5_archive.h"
 #include "adapters/formats/problem_file/problem_format.h"
+#include "models/one_line.h"
 
 namespace prospect {
 namespace {
@@ -23,14 +24,6 @@ namespace fs = std::filesystem;
 
 /// A file of more bytes is none of ours.
 constexpr std::uintmax_t kMostBytes = 1u << 30;
-
-/// Names in a file, or a path, may hold anything; a message is one line.
-std::string one_line(std::string text) {
-  for (char& c : text) {
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
-  }
-  return text;
-}
 
 [[noreturn]] void refuse(const std::string& path, const std::string& what) {
   throw std::invalid_argument(one_line(path + ": " + what));

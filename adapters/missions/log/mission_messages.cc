@@ -14,6 +14,7 @@
 #include "adapters/formats/ros/map_msgs.h"
 #include "adapters/formats/ros/message_definition.h"
 #include "adapters/formats/ros/nav_msgs.h"
+#include "adapters/formats/ros/pose_message.h"
 #include "adapters/formats/ros/rcl_interfaces.h"
 #include "adapters/formats/ros/tf2_msgs.h"
 #include "adapters/missions/log/step_messages.h"
@@ -65,11 +66,6 @@ Eigen::Isometry3d isometry_of(const Pose& pose) {
   T.translation() = pose.position;
   T.linear() = Eigen::AngleAxisd(pose.yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix();
   return T;
-}
-
-ros::Pose pose_of(const Pose& pose) {
-  return {{pose.position.x(), pose.position.y(), pose.position.z()},
-          {0.0, 0.0, std::sin(0.5 * pose.yaw), std::cos(0.5 * pose.yaw)}};
 }
 
 ros::Twist twist_of(const Twist& twist) {
@@ -187,7 +183,7 @@ void MissionMessages::belief(const Belief& belief) {
   ros::Odometry odometry;
   odometry.header = {stamp_at(now), kMapFrame};
   odometry.child_frame_id = kBody;
-  odometry.pose.pose = pose_of(belief.pose);
+  odometry.pose.pose = ros::pose_message(belief.pose);
   odometry.twist.twist = twist_of(belief.twist);
   constexpr std::array<std::size_t, 4> kAxes = {0, 1, 2, 5};  // x, y, z, yaw of six
   for (std::size_t i = 0; i < 4; ++i) {
@@ -219,7 +215,7 @@ void MissionMessages::step(const StepRecord& step) {
   ros::Odometry truth;
   truth.header = {stamp_at(now), kMapFrame};
   truth.child_frame_id = kBody;  // what hangs on it by /tf_static hangs on its true pose, too
-  truth.pose.pose = pose_of(step.true_pose);
+  truth.pose.pose = ros::pose_message(step.true_pose);
   put_(kTruth, now, ros::to_cdr(truth));
   if (const auto change = map_.change(step.time, options_.resolution, step.map_changes)) {
     if (change->whole) {

@@ -11,6 +11,7 @@
 
 #include "adapters/formats/files/input_error.h"
 #include "adapters/formats/files/parse_number.h"
+#include "adapters/formats/ros/pose_message.h"
 #include "adapters/missions/run/step_fields.h"
 #include "models/range_text.h"
 
@@ -208,11 +209,9 @@ ros::Path horizon_path(const StepRecord& step, double dt, std::int64_t ns) {
   ros::Path path;
   path.header = header_at(ns);
   for (std::size_t k = 0; k < step.horizon.size(); ++k) {
-    const Pose& p = step.horizon[k];
     ros::PoseStamped pose;
     pose.header = header_at(ns + std::llround(1e9 * dt * static_cast<double>(k)));
-    pose.pose.position = {p.position.x(), p.position.y(), p.position.z()};
-    pose.pose.orientation = {0.0, 0.0, std::sin(0.5 * p.yaw), std::cos(0.5 * p.yaw)};
+    pose.pose = ros::pose_message(step.horizon[k]);
     path.poses.push_back(std::move(pose));
   }
   return path;

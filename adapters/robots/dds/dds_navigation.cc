@@ -1,7 +1,6 @@
 #include "adapters/robots/dds/dds_navigation.h"
 
 #include <algorithm>
-#include <cmath>
 #include <deque>
 #include <mutex>
 #include <utility>
@@ -9,6 +8,7 @@
 
 #include "adapters/formats/files/input_error.h"
 #include "adapters/formats/ros/nav2_msgs.h"
+#include "adapters/formats/ros/pose_message.h"
 #include "adapters/robots/dds/dds_commands.h"
 #include "adapters/robots/dds/dds_service.h"
 #include "engine/maps/belief.h"
@@ -162,14 +162,12 @@ struct DdsNavigation::Impl {
     const Served& goal = goals.back();
     ros::NavigateToPoseFeedbackMessage m;
     m.goal_id = goal.info.goal_id;
-    const Pose& pose = belief.pose;
     m.feedback.current_pose.header = {base.ros_time(belief.stamp), options.frames.map};
-    m.feedback.current_pose.pose = {{pose.position.x(), pose.position.y(), pose.position.z()},
-                                    {0.0, 0.0, std::sin(0.5 * pose.yaw), std::cos(0.5 * pose.yaw)}};
+    m.feedback.current_pose.pose = ros::pose_message(belief.pose);
     const ros::Time taken = ros::time_of(now - goal.since);
     m.feedback.navigation_time = {taken.sec, taken.nanosec};
     m.feedback.distance_remaining =
-        static_cast<float>((goal.place - pose.position.head<2>()).norm());
+        static_cast<float>((goal.place - belief.pose.position.head<2>()).norm());
     node.publish(feedback, m);
   }
 

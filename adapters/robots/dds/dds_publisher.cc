@@ -3,7 +3,6 @@
 #include <octomap/OcTree.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <sstream>
 #include <string>
@@ -14,6 +13,7 @@
 #include "adapters/formats/ros/diagnostic_msgs.h"
 #include "adapters/formats/ros/nav_msgs.h"
 #include "adapters/formats/ros/octomap_msgs.h"
+#include "adapters/formats/ros/pose_message.h"
 #include "adapters/formats/ros/tf2_msgs.h"
 #include "adapters/formats/ros/visualization_msgs.h"
 #include "engine/planner/planner.h"
@@ -24,11 +24,7 @@ namespace {
 
 constexpr std::size_t kMostLandmarks = 2000;  // in a message of markers
 
-ros::Quaternion turned_by(double yaw) {
-  return {0.0, 0.0, std::sin(0.5 * yaw), std::cos(0.5 * yaw)};
-}
 ros::Point point(const Eigen::Vector3d& p) { return {p.x(), p.y(), p.z()}; }
-ros::Pose pose_of(const Pose& pose) { return {point(pose.position), turned_by(pose.yaw)}; }
 Eigen::Isometry3d isometry_of(const Pose& pose) {
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   T.linear() = Eigen::AngleAxisd(pose.yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix();
@@ -138,7 +134,7 @@ struct DdsPublisher::Impl {
     m.header = {base.ros_time(plan.stamp), options.frames.map};
     for (std::size_t k = 0; k < poses.size(); ++k) {
       const double time = plan.stamp + static_cast<double>(k) * plan.dt;
-      m.poses.push_back({{base.ros_time(time), options.frames.map}, pose_of(poses[k])});
+      m.poses.push_back({{base.ros_time(time), options.frames.map}, ros::pose_message(poses[k])});
     }
     node.publish(path, m);
   }
@@ -151,11 +147,11 @@ struct DdsPublisher::Impl {
     target.scale = {0.5, 0.1, 0.1};
     if (step.global_plan != nullptr && step.global_plan->target) {
       const FrontierTarget& to = *step.global_plan->target;
-      target.pose = {{to.viewpoint.x(), to.viewpoint.y(), 0.1}, turned_by(to.yaw)};
+      target.pose = {{to.viewpoint.x(), to.viewpoint.y(), 0.1}, ros::turned_by(to.yaw)};
     } else if (step.plan->goal) {
       const Goal& goal = *step.plan->goal;
       target.pose = {{goal.position.x(), goal.position.y(), 0.1},
-                     turned_by(goal.yaw.value_or(0.0))};
+                     ros::turned_by(goal.yaw.value_or(0.0))};
     } else {
       target.action = ros::Marker::kDelete;
     }

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "models/formatted.h"
+#include "models/one_line.h"
 #include "runtime/clock.h"
 #include "runtime/realtime_priority.h"
 
@@ -21,10 +22,7 @@ namespace {
 std::string line_of(std::string text, const char* if_empty) {
   constexpr std::size_t kLongest = 300;
   if (text.size() > kLongest) text.resize(kLongest);
-  for (char& c : text) {
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
-  }
-  return text.empty() ? if_empty : text;
+  return text.empty() ? if_empty : one_line(std::move(text));
 }
 
 /// "" or why the call failed.
