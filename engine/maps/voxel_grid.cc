@@ -96,6 +96,45 @@ struct Traversal {
     }
     return true;
   }
+
+  // Axis of the next face.
+  int next_axis() const {
+    const int axis = next[0] < next[1] ? 0 : 1;
+    return next[2] < next[axis] ? 2 : axis;
+  }
+  // `faces` more of them along the axis.
+  void pass(int axis, std::int64_t faces) {
+    voxel[axis] += static_cast<int>(step[axis] * faces);
+    next[axis] += static_cast<double>(faces) * delta[axis];
+  }
+  // From a voxel outside of the block [low, low + size) to the first one inside. Returns where that
+  // is, ray parameter [m]; infinity: the ray does not get into it before `end`.
+  double enter(const int (&low)[3], const int (&size)[3]) {
+    constexpr double kNever = std::numeric_limits<double>::infinity();
+    double entry = 0.0;
+    std::int64_t faces[3] = {0, 0, 0};
+    for (int a = 0; a < 3; ++a) {
+      const std::int64_t below = std::int64_t{low[a]} - voxel[a];
+      const std::int64_t above = std::int64_t{voxel[a]} - (std::int64_t{low[a]} + size[a] - 1);
+      if (below <= 0 && above <= 0) continue;
+      if (step[a] != (below > 0 ? 1 : -1)) return kNever;
+      faces[a] = std::max(below, above);
+      entry = std::max(entry, next[a] + static_cast<double>(faces[a] - 1) * delta[a]);
+    }
+    if (!(entry < end)) return kNever;
+    for (int a = 0; a < 3; ++a) {
+      if (next[a] < entry) {  // never along an axis that it keeps to
+        const double passed = std::ceil((entry - next[a]) / delta[a]);
+        faces[a] = std::max(faces[a], static_cast<std::int64_t>(passed));
+      }
+      const std::int64_t there = voxel[a] + step[a] * faces[a];
+      if (there < low[a] || there >= std::int64_t{low[a]} + size[a]) return kNever;
+    }
+    for (int a = 0; a < 3; ++a) {
+      if (faces[a] > 0) pass(a, faces[a]);
+    }
+    return entry;
+  }
 };
 
 bool addressable(const Eigen::Vector3d& p) { return p.cwiseAbs().maxCoeff() < kFarthest; }
@@ -280,28 +319,33 @@ VoxelGrid::Ray VoxelGrid::cast(const Eigen::Vector3d& from, const Eigen::Vector3
   Traversal w;
   for (int a = 0; a < 3; ++a) w.voxel[a] = floor_to_int(from[a] / r);
   if (!w.start(from, to, trim, r)) return ray;
-  double t = 0.0;
-  bool first = true;
-  while (true) {
-    int axis = w.next[0] < w.next[1] ? 0 : 1;
-    if (w.next[2] < w.next[axis]) axis = 2;
-    const double leave = w.next[axis];
-    if (!first) {
-      const CellState s = state(w.voxel[0], w.voxel[1], w.voxel[2]);
-      if (s == CellState::kOccupied) {
-        ray.blocked = true;
-        ray.length = t;
-        return ray;
-      }
-      if (s == CellState::kUnknown) ray.unknown_length += std::min(leave, w.end) - t;
-    }
-    first = false;
-    if (!(leave < w.end)) break;
-    t = leave;
-    w.voxel[axis] += w.step[axis];
-    w.next[axis] += w.delta[axis];
-  }
   ray.length = w.end;
+  int axis = w.next_axis();
+  double t = w.next[axis];  // the voxel that holds `from` is not counted
+  if (!(t < w.end)) return ray;
+  w.pass(axis, 1);
+  if (!contains(w.voxel[0], w.voxel[1], w.voxel[2])) {
+    const double entry =
+        w.enter({frame_.i0, frame_.j0, k0_}, {frame_.width, frame_.height, depth_});
+    ray.unknown_length = std::max(0.0, std::min(entry, w.end) - t);
+    if (!(entry < w.end)) return ray;
+    t = std::max(t, entry);
+  }
+  while (contains(w.voxel[0], w.voxel[1], w.voxel[2])) {
+    axis = w.next_axis();
+    const double leave = w.next[axis];
+    const CellState s = data_[index(w.voxel[0], w.voxel[1], w.voxel[2])];
+    if (s == CellState::kOccupied) {
+      ray.blocked = true;
+      ray.length = t;
+      return ray;
+    }
+    if (s == CellState::kUnknown) ray.unknown_length += std::min(leave, w.end) - t;
+    if (!(leave < w.end)) return ray;
+    t = leave;
+    w.pass(axis, 1);
+  }
+  ray.unknown_length += w.end - t;  // it does not come back
   return ray;
 }
 

@@ -7,6 +7,7 @@
 #include <limits>
 #include <vector>
 
+#include "engine/support/stopwatch.h"
 #include "tests/engine/view_worlds.h"
 
 namespace prospect::voxel_grid_test {
@@ -87,6 +88,50 @@ TEST(VoxelGridCast, AgreesWithClippingEveryVoxel) {
   }
   EXPECT_GT(blocked, 50);
   EXPECT_GT(through_unknown, 50);
+}
+
+// A ray from far off is one from near by, and as much longer; it costs what the near one costs: one
+// of 1000 km took 0.1 s.
+TEST(VoxelGridCast, WhatLiesBeyondTheBlockIsALength) {
+  std::mt19937_64 random(5);
+  const VoxelGrid grid = test::hall(random, true);
+  constexpr double kFar = 1e5;                // [m]
+  const double first = 0.1 * std::sqrt(3.0);  // [m] of the voxel that is not counted, at most
+  std::vector<Eigen::Vector3d> starts[2];     // near, far
+  std::vector<Eigen::Vector3d> ends;
+  int blocked = 0, missed = 0;
+  for (int n = 0; n < 4000; ++n) {
+    const double angle = uniform(random, -M_PI, M_PI);
+    const Eigen::Vector3d near(30.0 * std::cos(angle), 30.0 * std::sin(angle),
+                               n % 2 ? uniform(random, -3, 6) : 1.05);
+    Eigen::Vector3d to(uniform(random, -9, 9), uniform(random, -9, 9), uniform(random, 0, 2));
+    if (n % 2 == 0) to.z() = near.z();
+    if (n % 3 == 0) to += 1.5 * (to - near);
+    if (n % 5 == 0) to.head<2>() = near.head<2>() + Eigen::Vector2d(-near.y(), near.x());
+    const Eigen::Vector3d far = near + kFar * (near - to).normalized();
+    const VoxelGrid::Ray a = grid.cast(near, to, 0.15), b = grid.cast(far, to, 0.15);
+    ASSERT_EQ(a.blocked, b.blocked) << n;
+    EXPECT_NEAR(b.length, a.length + kFar, 1e-6) << n;
+    EXPECT_NEAR(b.unknown_length, a.unknown_length + kFar, first) << n;
+    const VoxelGrid::Ray back = grid.cast(to, far, 0.0);
+    EXPECT_EQ(grid.cast(to, near, 0.0).blocked, back.blocked) << n;
+    blocked += b.blocked;
+    missed += b.unknown_length > (far - to).norm() - 0.15 - first;
+    starts[0].push_back(near);
+    starts[1].push_back(far);
+    ends.push_back(to);
+  }
+  EXPECT_GT(blocked, 500);
+  EXPECT_GT(missed, 500);
+  double took[2];
+  for (const int which : {0, 1}) {
+    ProcessorStopwatch watch;
+    for (std::size_t n = 0; n < ends.size(); ++n) {
+      EXPECT_TRUE(grid.cast(starts[which][n], ends[n]).length > 0.0);
+    }
+    took[which] = watch.lap();
+  }
+  EXPECT_LT(took[1], 20.0 * took[0]);
 }
 
 TEST(VoxelGridCast, ManyEqualsOneByOneToTheLastBit) {
