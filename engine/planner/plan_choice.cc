@@ -20,7 +20,9 @@ Eigen::MatrixXd stage_inputs(const TrajectoryBatch& t, int stages) {
   return inputs;
 }
 
-/// States, inputs, the commands that they give, and the stop after `committed` stages.
+/// States, inputs, the commands that they give, and the stop after `committed` stages. The states
+/// begin with the measured velocity, however fast the robot was found to be; what it is told is
+/// within its limits all the same: told its top speed, a faster base brakes as hard as it can.
 void fill(const TrajectoryBatch& t, const MotionModel& model, int committed, Plan& plan) {
   const int N = t.horizon.N;
   const int nx = t.horizon.nx();
@@ -37,7 +39,7 @@ void fill(const TrajectoryBatch& t, const MotionModel& model, int committed, Pla
     }
   }
   for (std::size_t k = 0; k < plan.inputs.size(); ++k) {
-    plan.commands.push_back(model.twist(plan.states[k + 1], plan.inputs[k]));
+    plan.commands.push_back(limited_twist(model, model.twist(plan.states[k + 1], plan.inputs[k])));
   }
   plan.committed = committed;
   Eigen::VectorXd x = plan.states[static_cast<std::size_t>(committed)], next(nx);
@@ -49,7 +51,7 @@ void fill(const TrajectoryBatch& t, const MotionModel& model, int committed, Pla
     x.swap(next);
   }
   if (model.num_state_constraints() > 0) {
-    plan.ramp_from = model.twist(plan.states.front(), plan.inputs.front());
+    plan.ramp_from = limited_twist(model, model.twist(plan.states.front(), plan.inputs.front()));
   }
 }
 

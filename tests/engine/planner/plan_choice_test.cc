@@ -3,6 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
 
 #include "tests/engine/planning_scene.h"
 
@@ -107,6 +110,30 @@ TEST_F(PlanChoice, ThePlanHoldsTheStopAfterItsCommittedPart) {
     speed = command.linear.norm();
   }
   EXPECT_FALSE(plan.ramp_from);
+}
+
+// Told what it was measured to drive, a base would be told more than it can.
+TEST(PlanOfAFastRobot, CommandsAreWithinTheModelsLimits) {
+  for (const std::string& name : model_names()) {
+    SCOPED_TRACE(name);
+    test::PlanningScene scene{name};
+    const MotionModel& model = *scene.planner->robot().model;
+    scene.belief.twist.linear.x() = 1.3 * model.max_speed();
+    scene.belief.twist.yaw_rate = -1.3 * model.max_yaw_rate();
+    for (const bool told : {false, true}) {
+      if (told) scene.belief.command = scene.belief.twist;
+      const Plan plan = scene.planner->plan(scene.belief);
+      EXPECT_EQ(plan.fault, PlanFault::kNone) << plan.detail;
+      std::vector<Twist> twists = plan.commands;
+      twists.insert(twists.end(), plan.tail.begin(), plan.tail.end());
+      if (plan.ramp_from) twists.push_back(*plan.ramp_from);
+      EXPECT_FALSE(twists.empty());
+      for (const Twist& twist : twists) {
+        EXPECT_LE(twist.linear.norm(), (1.0 + 1e-9) * model.max_speed()) << plan.certified;
+        EXPECT_LE(std::abs(twist.yaw_rate), model.max_yaw_rate()) << plan.certified;
+      }
+    }
+  }
 }
 
 }  // namespace
