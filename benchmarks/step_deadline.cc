@@ -1,5 +1,5 @@
 // How well a planning step keeps its deadline, over the beliefs of a mission.
-//   step_deadline [WORLD] [--deadline MS] [--steps N] [--seed S] [--solver NAME]
+//   step_deadline [WORLD] [--deadline MS] [--steps N] [--seed S] [--solver NAME] [--known M]
 // Drives the mission in lockstep, each step with that deadline and prepared as the real-time driver
 // does, and prints what preparing and the steps took, in wall time and in processor time of all
 // threads, in all and by their parts, and by how much the deadline was overrun; besides, what the
@@ -7,6 +7,10 @@
 // Processor time is what counts where others keep the machine busy; there the wall clock ends the
 // polishing earlier. The floor is what a step takes that has no time to polish
 // (--deadline 0.001).
+// --known: instead of a mission, rooms of M by M metres that are known, but for each fifth, from
+// the first step on; a robot that drives as it is told, and no time between the steps.
+#include <octomap/OcTree.h>
+
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
@@ -26,6 +30,7 @@
 #include "engine/support/stopwatch.h"
 #include "runtime/next_command.h"
 #include "solvers/registry.h"
+#include "tests/engine/known_rooms.h"
 
 namespace prospect {
 namespace {
@@ -81,9 +86,34 @@ void print(const char* name, const std::vector<double>& ms) {
               quantile(ms, 0.99), quantile(ms, 1.0));
 }
 
+/// Steps of a robot that drives as it is told, in rooms that are known. Returns how many of the
+/// first ones were not whole yet.
+int drive_known_rooms(const Configuration& configuration, Replanner& planner, double side,
+                      int steps) {
+  Belief belief;
+  test::give_rooms(belief, side);
+  belief.octree = std::make_shared<const octomap::OcTree>(0.1);
+  belief.landmarks = test::landmarks_about(300);
+  belief.tracked_features = 80;
+  belief.command = Twist();
+  const MotionModel& model = *configuration.robot.model;
+  int unfinished = 0;
+  for (int n = 0; n < steps; ++n) {
+    belief.set_stamps(configuration.planner.dt * n);
+    const Plan plan = planner.plan(belief);
+    if (plan.fault == PlanFault::kUnfinished) ++unfinished;
+    Eigen::VectorXd next(model.nx());
+    model.step(model.state(belief.pose, belief.twist), plan.inputs.front(), plan.dt, next);
+    belief.pose = model.pose(next);
+    belief.twist = plan.commands.front();
+    belief.command = belief.twist;
+  }
+  return unfinished;
+}
+
 int measure(int argc, char** argv) {
   std::string world = "office", solver = "nlopt";
-  double deadline_ms = 20.0;
+  double deadline_ms = 20.0, known = 0.0;
   int steps = 300;
   int seed = 1;
   ProgramOptions program("How well a planning step keeps its deadline");
@@ -92,6 +122,8 @@ int measure(int argc, char** argv) {
   program.add("--steps", steps, "Of the mission", {.least = 1});
   program.add("--seed", seed, "Of all noise", {.least = 0});
   program.add("--solver", solver, "Back end");
+  program.add("--known", known, "Side of rooms that are known, instead of a mission [m]",
+              {.least = 0.0, .most = 1000.0});
   if (const std::optional<int> code = program.parse(argc, argv)) return *code;
   Configuration configuration = read_configuration("");
   configuration.solver = solver;
@@ -108,9 +140,16 @@ int measure(int argc, char** argv) {
         std::make_unique<Planner>(c.robot, c.planner, SolverRegistry().make(c.solver)), times,
         prepared, processor, guard);
   };
-  const auto loaded =
-      std::make_shared<const World>(load_world(world, world_options_for(configuration)));
-  run_exploration(loaded, configuration, options);
+  if (known > 0.0) {
+    world = "known rooms";
+    const int unfinished =
+        drive_known_rooms(configuration, *options.make_planner(configuration), known, steps);
+    std::printf("%g m known: the first plan after %d steps\n", known, unfinished);
+  } else {
+    const auto loaded =
+        std::make_shared<const World>(load_world(world, world_options_for(configuration)));
+    run_exploration(loaded, configuration, options);
+  }
 
   const auto part = [&](const auto& ms) {
     std::vector<double> all;

@@ -102,7 +102,7 @@ void FeatureVisibilityMap::update(const Belief& belief, double density, const Lo
   unseen.height = belief.pose.position.z() + mount_.T_BC.translation().z();
   unseen.max_blocks = options_.max_landmarks / 4;
   unseen.image_cell = belief.landmarks->image_cell;
-  std::vector<Landmark> landmarks = unseen_features(ground, belief.pose, unseen, texture);
+  std::vector<Landmark> landmarks = unseen_features(ground, belief.pose, unseen, texture, pause);
   const double farthest = std::numbers::sqrt2 * options_.prior_range;  // of a block in the window
   const std::vector<Landmark> mapped = select_landmarks(
       *belief.landmarks, belief.pose, farthest,

@@ -1,11 +1,13 @@
 #include "engine/features/landmark_selection.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
-#include <map>
 #include <numbers>
+#include <optional>
 #include <tuple>
+#include <unordered_map>
 #include <utility>
 
 namespace prospect {
@@ -57,13 +59,10 @@ bool can_matter(const Landmark& l, const Eigen::Vector3d& center, double reach,
     return false;
   }
   // From `center` the ball is seen under asin(reach / distance): the view angle can shrink by that.
-  double angle = 0.0;
-  if (distance > reach) {
-    const double cosine =
-        to_center.dot(l.creation_direction) / (distance * l.creation_direction.norm());
-    angle = std::acos(std::clamp(cosine, -1.0, 1.0)) - std::asin(reach / distance);
-    angle = std::max(0.0, angle);
-  }
+  if (distance <= reach) return true;
+  const double cosine =
+      to_center.dot(l.creation_direction) / (distance * l.creation_direction.norm());
+  const double angle = std::acos(std::clamp(cosine, -1.0, 1.0)) - std::asin(reach / distance);
   return angle <= p.view_angle + kWidths * p.view_angle_width;
 }
 
@@ -106,9 +105,21 @@ std::vector<const Landmark*> sorted_by_key(std::vector<const Landmark*> landmark
   return landmarks;
 }
 
-using CellKey = std::tuple<std::int64_t, std::int64_t, std::int64_t, int>;
+/// Of a lattice: address and quadrant of the direction.
+using LatticeCell = std::array<std::int64_t, 4>;
 
-CellKey cell_of(const Landmark& l, double size) {
+struct LatticeCellHash {
+  std::size_t operator()(const LatticeCell& cell) const {
+    std::uint64_t h = 0;
+    for (const std::int64_t v : cell) {
+      h = (h ^ static_cast<std::uint64_t>(v)) * 0x9E3779B97F4A7C15U;
+      h ^= h >> 32;
+    }
+    return h;
+  }
+};
+
+LatticeCell cell_of(const Landmark& l, double size) {
   const auto at = [&](int a) {
     return static_cast<std::int64_t>(std::floor(l.position[a] / size));
   };
@@ -116,23 +127,30 @@ CellKey cell_of(const Landmark& l, double size) {
   return {at(0), at(1), at(2), 2 * (d.x() > 0.0) + (d.y() > 0.0)};
 }
 
-/// `landmarks`, by key, as clusters of a lattice; given up as soon as there are more than `most`.
-std::vector<Cluster> clusters(const std::vector<const Landmark*>& landmarks, double size,
-                              std::size_t most, const PausePoint& pause) {
-  std::map<CellKey, Cluster> cells;
+/// `landmarks`, by key, as clusters of a lattice, by the key of their first. Of more than `most`
+/// the first ones if `leave_out`, else none at all.
+std::optional<std::vector<Cluster>> clusters(const std::vector<const Landmark*>& landmarks,
+                                             double size, std::size_t most, bool leave_out,
+                                             const PausePoint& pause) {
+  std::unordered_map<LatticeCell, std::size_t, LatticeCellHash> cells;
+  cells.reserve(most);
+  std::vector<Cluster> result;
   std::size_t taken = 0;
   for (const Landmark* l : landmarks) {
     if (++taken % 64 == 0) pause();
-    Cluster& c = cells[cell_of(*l, size)];
-    if (!c.first) c.first = l;
+    const LatticeCell cell = cell_of(*l, size);
+    auto at = cells.find(cell);
+    if (at == cells.end()) {
+      if (result.size() == most && !leave_out) return std::nullopt;
+      if (result.size() == most) continue;
+      at = cells.emplace(cell, result.size()).first;
+      result.push_back({l});
+    }
+    Cluster& c = result[at->second];
     c.multiplicity += l->multiplicity;
     c.survival += l->multiplicity * l->survival;
     c.per_cell += l->multiplicity * l->per_cell;
-    if (cells.size() > most) break;
   }
-  std::vector<Cluster> result;
-  result.reserve(cells.size());
-  for (const auto& [cell, cluster] : cells) result.push_back(cluster);
   return result;
 }
 
@@ -148,29 +166,29 @@ std::vector<Landmark> select_landmarks(const LandmarkMap& map, const Pose& pose,
   if (eligible.size() <= most) {
     for (const Landmark* l : eligible) result.push_back(*l);
   } else {
-    std::vector<Cluster> chosen;
-    for (double size = kFinest; size <= kCoarsest; size *= std::numbers::sqrt2) {
-      chosen = clusters(eligible, size, most, pause);
-      if (chosen.size() <= most) break;
+    std::optional<std::vector<Cluster>> chosen;
+    for (double size = kFinest; !chosen && size <= kCoarsest; size *= std::numbers::sqrt2) {
+      chosen = clusters(eligible, size, most, false, pause);
     }
-    if (chosen.size() > most) chosen = clusters(eligible, kCoarsest, eligible.size(), pause);
-    std::sort(chosen.begin(), chosen.end(),
-              [](const Cluster& a, const Cluster& b) { return key(*a.first) < key(*b.first); });
-    if (chosen.size() > most) chosen.resize(most);
-    for (const Cluster& c : chosen) {
+    if (!chosen) chosen = clusters(eligible, kCoarsest, most, true, pause);
+    for (const Cluster& c : *chosen) {
       result.push_back(*c.first);
       result.back().multiplicity = std::min(kMostMultiplicity, c.multiplicity);
       result.back().survival = std::min(1.0, c.survival / c.multiplicity);
       result.back().per_cell = c.per_cell / c.multiplicity;
     }
   }
-  const auto azimuth = [&](const Landmark& l) {
-    return std::atan2(l.position.y() - pose.position.y(), l.position.x() - pose.position.x());
-  };
-  std::stable_sort(result.begin(), result.end(), [&](const Landmark& a, const Landmark& b) {
-    return azimuth(a) < azimuth(b);  // by key before
-  });
-  return result;
+  std::vector<std::pair<double, std::size_t>> by_azimuth;  // and by key, as they are now
+  for (const Landmark& l : result) {
+    if (by_azimuth.size() % 256 == 0) pause();
+    const Eigen::Vector3d to = l.position - pose.position;
+    by_azimuth.emplace_back(std::atan2(to.y(), to.x()), by_azimuth.size());
+  }
+  std::sort(by_azimuth.begin(), by_azimuth.end());
+  std::vector<Landmark> ordered;
+  ordered.reserve(result.size());
+  for (const auto& [azimuth, n] : by_azimuth) ordered.push_back(result[n]);
+  return ordered;
 }
 
 }  // namespace prospect

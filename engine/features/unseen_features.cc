@@ -10,7 +10,7 @@ namespace prospect {
 
 std::vector<Landmark> unseen_features(const GroundMap& ground, const Pose& pose,
                                       const UnseenFeatureOptions& options,
-                                      const LocalTexture* texture) {
+                                      const LocalTexture* texture, const PausePoint& pause) {
   constexpr const char* kOwner = "unseen features";
   check_not_negative(kOwner, "density", options.density);
   check_positive(kOwner, "block", options.block);
@@ -32,6 +32,7 @@ std::vector<Landmark> unseen_features(const GroundMap& ground, const Pose& pose,
   const auto look_at = [&](int i, int j) {
     const Eigen::Vector2d middle((i + 0.5) * side, (j + 0.5) * side);
     if ((middle - here).norm() > options.range + side) return;
+    pause();
     int unknown = 0;
     Eigen::Vector2d sum = Eigen::Vector2d::Zero();
     for (int a = i * cells; a < (i + 1) * cells; ++a) {

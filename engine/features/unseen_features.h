@@ -5,6 +5,7 @@
 #include "engine/features/local_texture.h"
 #include "engine/maps/ground_map.h"
 #include "engine/maps/landmark_map.h"
+#include "engine/support/resumable.h"
 #include "models/types.h"
 
 namespace prospect {
@@ -34,6 +35,7 @@ struct UnseenFeatureOptions {
 /// Deterministic. Errors: std::invalid_argument on an option out of range. Source: ours.
 std::vector<Landmark> unseen_features(const GroundMap& ground, const Pose& pose,
                                       const UnseenFeatureOptions& options,
-                                      const LocalTexture* texture = nullptr);
+                                      const LocalTexture* texture = nullptr,
+                                      const PausePoint& pause = {});
 
 }  // namespace prospect

@@ -37,6 +37,11 @@ CostToGoField::CostToGoField(const CostToGoOptions& options) : options_(options)
 
 void CostToGoField::relayout(const Traversability& traversability, const PausePoint& pause) {
   const GridFrame& frame = traversability.frame();
+  for (std::vector<int>* list : {&touched_, &front_, &raised_}) {
+    // Long ones would be moved as they grow, without a pause.
+    list->reserve(static_cast<std::size_t>(frame.size()));
+  }
+  entries_.reserve(static_cast<std::size_t>(frame.size()));
   if (fresh_ || traversability.restarted()) {
     frame_ = frame;
     d_ = Grid<double>(frame, kInfinity, pause).data;
@@ -64,7 +69,10 @@ void CostToGoField::relayout(const Traversability& traversability, const PausePo
   move(source_, kNoSource);
   move(in_front_, std::uint8_t{0});
   pending_bucket_ = Grid<int>(frame, -1, pause).data;
-  for (int& index : front_) index = frame.index(old.at(index));
+  for (std::size_t n = 0; n < front_.size(); ++n) {
+    if (n % 1024 == 0) pause();
+    front_[n] = frame.index(old.at(front_[n]));
+  }
   frame_ = frame;
 }
 
@@ -188,6 +196,7 @@ void CostToGoField::march(const PausePoint& pause) {
     in_front_[static_cast<std::size_t>(index)] = 0;
   }
   for (std::size_t k = 0; k < front.size(); ++k) {
+    if (k % 256 == 0) pause();
     if (keys[k] != kInfinity) push(front[k], keys[k]);
   }
   front.clear();
@@ -224,6 +233,7 @@ void CostToGoField::march(const PausePoint& pause) {
     }
   }
   for (; bucket_ < static_cast<int>(bucket_head_.size()); ++bucket_) {
+    pause();
     for (int entry = bucket_head_[static_cast<std::size_t>(bucket_)]; entry >= 0;
          entry = entries_[static_cast<std::size_t>(entry)].next) {
       const int index = entries_[static_cast<std::size_t>(entry)].cell;
@@ -295,6 +305,7 @@ void CostToGoField::update_from(const Traversability& traversability, const Sour
       refresh(frame_.index(c), c, traversability, sources, features);
     }
     for (const Cell c : sources.changed_sources()) {
+      if (++refreshed % 1024 == 0) pause();
       refresh(frame_.index(c), c, traversability, sources, features);
     }
     refresh_within(priced_, priced);

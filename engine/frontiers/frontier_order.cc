@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <utility>
 
 #include "models/knobs.h"
 
@@ -55,18 +57,22 @@ class Search {
 }  // namespace
 
 std::vector<FrontierCandidate> leading_candidates(std::vector<FrontierCandidate> candidates,
-                                                  const FrontierOrderOptions& options) {
-  const auto value = [&](const FrontierCandidate& c) {
-    return (options.every_observation * c.confidence + c.area) *
-           std::exp(-c.path / options.horizon);
-  };
-  std::stable_sort(
-      candidates.begin(), candidates.end(),
-      [&](const FrontierCandidate& a, const FrontierCandidate& b) { return value(a) > value(b); });
-  if (static_cast<int>(candidates.size()) > options.candidates) {
-    candidates.resize(static_cast<std::size_t>(options.candidates));
+                                                  const FrontierOrderOptions& options,
+                                                  const PausePoint& pause) {
+  std::vector<std::pair<double, std::size_t>> by_value;  // less than 0: the greatest come first
+  for (const FrontierCandidate& c : candidates) {
+    if (by_value.size() % 64 == 0) pause();
+    by_value.emplace_back(
+        -(options.every_observation * c.confidence + c.area) * std::exp(-c.path / options.horizon),
+        by_value.size());
   }
-  return candidates;
+  const std::size_t most =
+      std::min(candidates.size(), static_cast<std::size_t>(options.candidates));
+  std::partial_sort(by_value.begin(), by_value.begin() + static_cast<std::ptrdiff_t>(most),
+                    by_value.end());
+  std::vector<FrontierCandidate> leading;
+  for (std::size_t n = 0; n < most; ++n) leading.push_back(candidates[by_value[n].second]);
+  return leading;
 }
 
 double rate(const FrontierSequence& sequence, const std::vector<FrontierCandidate>& candidates,

@@ -3,6 +3,8 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "engine/support/resumable.h"
+
 namespace prospect {
 
 class Knobs;
@@ -52,7 +54,8 @@ double rate(const FrontierSequence& sequence, const std::vector<FrontierCandidat
 /// The candidates worth putting in order: those with the greatest (every_observation tau + E)
 /// exp(-w / horizon), `options.candidates` at most, greatest first; of equal ones the first.
 std::vector<FrontierCandidate> leading_candidates(std::vector<FrontierCandidate> candidates,
-                                                  const FrontierOrderOptions& options);
+                                                  const FrontierOrderOptions& options,
+                                                  const PausePoint& pause = {});
 
 /// The sequence of at most options.sequence_length candidates with the greatest J, by trying all;
 /// `first`: index of the candidate that it must begin with, -1 for any. between(a, b): d_ab [m of

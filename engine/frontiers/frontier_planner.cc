@@ -131,12 +131,14 @@ bool FrontierPlanner::is_cut_off() const {
 }
 
 // The frontier that holds the cell nearest the last target, within target_radius.
-int FrontierPlanner::current_target(const std::vector<Frontier>& frontiers) const {
+int FrontierPlanner::current_target(const std::vector<Frontier>& frontiers,
+                                    const PausePoint& pause) const {
   if (!target_) return -1;
   const double r = traversability_.frame().resolution;
   int best = -1;
   double least = options_.target_radius + 1e-9;
   for (std::size_t k = 0; k < frontiers.size(); ++k) {
+    pause();
     for (const Cell c : frontiers[k].cells) {
       const double d = r * std::hypot(c.i - target_->i, c.j - target_->j);
       if (d >= least) continue;
@@ -147,8 +149,9 @@ int FrontierPlanner::current_target(const std::vector<Frontier>& frontiers) cons
   return best;
 }
 
-void FrontierPlanner::fail_visit(const std::vector<Frontier>& frontiers, TargetChange why) {
-  const int current = current_target(frontiers);
+void FrontierPlanner::fail_visit(const std::vector<Frontier>& frontiers, TargetChange why,
+                                 const PausePoint& pause) {
+  const int current = current_target(frontiers, pause);
   if (current >= 0) {
     utility_.visit_failed(*target_, frontiers[static_cast<std::size_t>(current)].cells,
                           traversability_.frame().resolution);
@@ -197,10 +200,15 @@ void FrontierPlanner::measure_paths(const Pose& pose, const std::vector<Frontier
                   options_.observation_time,
               c};
     });
-    for (std::size_t k = 0; k < frontiers.size(); ++k) add_turn(pose, frontiers[k], path_to_[k]);
+    for (std::size_t k = 0; k < frontiers.size(); ++k) {
+      if (k % 64 == 0) prices.pause();
+      add_turn(pose, frontiers[k], path_to_[k]);
+    }
     if (limit == kInfinity) return;
     const bool missed = current >= 0 && path_to_[static_cast<std::size_t>(current)].length > limit;
-    if (!missed && nothing_farther_leads(pose.position.head<2>(), frontiers, limit)) return;
+    if (!missed && nothing_farther_leads(pose.position.head<2>(), frontiers, limit, prices.pause)) {
+      return;
+    }
     limit = limit >= kLastSearch * horizon ? kInfinity : 4.0 * limit;
   }
 }
@@ -221,10 +229,11 @@ void FrontierPlanner::add_turn(const Pose& pose, const Frontier& frontier, Path&
 // Whether no frontier to which the path is longer than `limit` can be a leading candidate. No path
 // to look at a cell is shorter than the straight line, less what looking from a metre off saves.
 bool FrontierPlanner::nothing_farther_leads(const Eigen::Vector2d& robot,
-                                            const std::vector<Frontier>& frontiers,
-                                            double limit) const {
+                                            const std::vector<Frontier>& frontiers, double limit,
+                                            const PausePoint& pause) const {
   std::vector<FrontierCandidate> all;
   for (std::size_t k = 0; k < frontiers.size(); ++k) {
+    pause();
     const Frontier& f = frontiers[k];
     if (f.area < options_.least_area) continue;
     double path = path_to_[k].length;
@@ -238,7 +247,7 @@ bool FrontierPlanner::nothing_farther_leads(const Eigen::Vector2d& robot,
     }
     all.push_back({searched ? static_cast<int>(k) : -1, f.area, path, 0.0, f.confidence, 0.0});
   }
-  all = leading_candidates(std::move(all), options_.order);
+  all = leading_candidates(std::move(all), options_.order, pause);
   return !all.empty() &&
          std::none_of(all.begin(), all.end(), [](const auto& c) { return c.frontier < 0; });
 }
@@ -281,7 +290,7 @@ int FrontierPlanner::choose(const std::vector<Frontier>& frontiers, std::optiona
   const int mine = present ? index_of(*present) : -1;
   std::optional<FrontierCandidate> own;
   if (mine >= 0) own = candidates[static_cast<std::size_t>(mine)];
-  candidates = leading_candidates(std::move(candidates), options_.order);
+  candidates = leading_candidates(std::move(candidates), options_.order, prices.pause);
   // What it would change from is compared, too, though it may not be among the leading ones.
   if (own && index_of(own->frontier) < 0) candidates.back() = *own;
 
@@ -295,6 +304,11 @@ int FrontierPlanner::choose(const std::vector<Frontier>& frontiers, std::optiona
     double cost;
   };
   std::vector<Viewpoint> viewpoints;
+  std::size_t most = 0;  // room for all, so that they are not moved
+  for (const FrontierCandidate& c : candidates) {
+    most += static_cast<std::size_t>(frontiers[static_cast<std::size_t>(c.frontier)].viewpoints);
+  }
+  viewpoints.reserve(most);
   std::size_t visited = 0;
   detector_.visit_viewpoints([&](int k, Cell c, Cell sees, double cost) {
     if (++visited % 1024 == 0) prices.pause();
@@ -435,7 +449,7 @@ void FrontierPlanner::take_over(const GroundMap& ground, const Pose& pose, doubl
   // A loss far from the target says nothing of it: other paths lead through there, too.
   if (activity.got_lost && target_ &&
       (frame.center(*target_) - p).norm() <= options_.utility.sensor_range) {
-    fail_visit(detector_.frontiers(), TargetChange::kLost);
+    fail_visit(detector_.frontiers(), TargetChange::kLost, pause);
   }
   const bool anywhere = !options_.area && options_.traversability.zones == nullptr;
   const auto ranges_of = [&](const Frontier& f, std::vector<float>& ranges) {
@@ -466,7 +480,7 @@ FrontierPlanner::Prices FrontierPlanner::prices(const FeatureVisibilityMap* visi
 
 // Whether a path leads there; -1: nowhere.
 bool FrontierPlanner::set_goal(int frontier, Cell robot, const Prices& prices) {
-  detector_.set_goal(frontier, prices.observation);
+  detector_.set_goal(frontier, prices.observation, prices.pause);
   field_.update(traversability_, detector_, robot, prices.along, prices.pause);
   return frontier >= 0 && field_.anchor_reached();
 }
@@ -477,7 +491,7 @@ void FrontierPlanner::keep_or_change_target(const Pose& pose, double stamp, cons
   const std::vector<Frontier>& frontiers = global_plan.frontiers;
   FrontierFacts& facts = global_plan.facts;
   const Cell robot = traversability_.frame().cell(pose.position.x(), pose.position.y());
-  const int current = current_target(frontiers);
+  const int current = current_target(frontiers, prices.pause);
   TargetChange reason = reason_to_choose(frontiers, current, stamp);
   if (reason == TargetChange::kNone && !set_goal(current, robot, prices)) {
     if (target_) {
@@ -531,7 +545,8 @@ void FrontierPlanner::keep_or_change_target(const Pose& pose, double stamp, cons
 }
 
 // Where the target is, and whether the robot gets on towards it.
-void FrontierPlanner::follow_target(const Pose& pose, double stamp, GlobalPlan& global_plan) {
+void FrontierPlanner::follow_target(const Pose& pose, double stamp, GlobalPlan& global_plan,
+                                    const PausePoint& pause) {
   const GridFrame& frame = traversability_.frame();
   const Eigen::Vector2d p = pose.position.head<2>();
   const double explored = traversability_.explored_area();
@@ -562,7 +577,7 @@ void FrontierPlanner::follow_target(const Pose& pose, double stamp, GlobalPlan& 
     progress_.given_up(explored);
     // Else all that lies behind it would be tried in turn.
     if (narrow) close(*narrow, stamp);
-    fail_visit(global_plan.frontiers, TargetChange::kNoProgress);
+    fail_visit(global_plan.frontiers, TargetChange::kNoProgress, pause);
   }
 }
 
@@ -578,12 +593,16 @@ std::shared_ptr<const GlobalPlan> FrontierPlanner::update(
   }
   take_over(ground, pose, stamp, activity, pause);
   auto global_plan = std::make_shared<GlobalPlan>();
-  global_plan->frontiers = detector_.frontiers();
+  global_plan->frontiers.reserve(detector_.frontiers().size());
+  for (const Frontier& f : detector_.frontiers()) {
+    if (global_plan->frontiers.size() % 16 == 0) pause();
+    global_plan->frontiers.push_back(f);
+  }
   utility_.measure(traversability_, global_plan->frontiers, pause);
   keep_or_change_target(pose, stamp,
                         prices(visibility_map, traversability_.frame().cell(p.x(), p.y()), pause),
                         *global_plan);
-  follow_target(pose, stamp, *global_plan);
+  follow_target(pose, stamp, *global_plan, pause);
 
   FrontierFacts& facts = global_plan->facts;
   facts.stalled_for = progress_.stalled_for();

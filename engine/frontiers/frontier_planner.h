@@ -183,24 +183,26 @@ class FrontierPlanner {
   bool set_goal(int frontier, Cell robot, const Prices& prices);
   void keep_or_change_target(const Pose& pose, double stamp, const Prices& prices,
                              GlobalPlan& global_plan);
-  void follow_target(const Pose& pose, double stamp, GlobalPlan& global_plan);
+  void follow_target(const Pose& pose, double stamp, GlobalPlan& global_plan,
+                     const PausePoint& pause);
   void close(Cell at, double stamp);
   void count_along_travel(const FeatureVisibilityMap& visibility_map, Cell robot,
                           const PausePoint& pause);
   bool is_priced(Cell c) const { return along_travel_.frame.contains(c); }
-  int current_target(const std::vector<Frontier>& frontiers) const;
+  int current_target(const std::vector<Frontier>& frontiers, const PausePoint& pause) const;
   TargetChange reason_to_choose(const std::vector<Frontier>& frontiers, int current, double stamp);
   void measure_paths(const Pose& pose, const std::vector<Frontier>& frontiers, int current,
                      bool all, const Prices& prices);
   void add_turn(const Pose& pose, const Frontier& frontier, Path& path) const;
   bool nothing_farther_leads(const Eigen::Vector2d& robot, const std::vector<Frontier>& frontiers,
-                             double limit) const;
+                             double limit, const PausePoint& pause) const;
   int choose(const std::vector<Frontier>& frontiers, std::optional<int> present, bool alone,
              const Prices& prices, FrontierFacts& facts);
   void summarize_unresolved(const GroundMap& ground, const Pose& pose,
                             const std::vector<Frontier>& frontiers, FrontierFacts& facts,
                             const PausePoint& pause) const;
-  void fail_visit(const std::vector<Frontier>& frontiers, TargetChange why);
+  void fail_visit(const std::vector<Frontier>& frontiers, TargetChange why,
+                  const PausePoint& pause);
   bool is_cut_off() const;
   double path_left() const;
   std::optional<Cell> narrow_ahead() const;

@@ -131,6 +131,7 @@ void FrontierUtility::measure(const Traversability& traversability,
   const double view =
       0.5 * options_.sensor_range * options_.sensor_range * std::max(options_.sensor_fov, kSwept);
   for (Frontier& f : frontiers) {
+    pause();
     f.expected_gain = f.area = 0.0;
     f.confidence = 1.0;
     f.given_up = false;

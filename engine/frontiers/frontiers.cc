@@ -179,7 +179,10 @@ void FrontierDetector::cluster(const PausePoint& pause) {
     if (++taken % 256 == 0) pause();
     for (const Cell c : cells) label_[c] = -2;
   }
-  frontiers_.clear();
+  while (!frontiers_.empty()) {
+    if (++taken % 64 == 0) pause();
+    frontiers_.pop_back();
+  }
   for (const auto& cells : tile_cells_) {
     for (const Cell seed : cells) {
       if (label_[seed] != -2) continue;
@@ -218,9 +221,11 @@ void FrontierDetector::find_viewpoints(const Traversability& traversability,
                                        const ViewRanges& view_ranges, const PausePoint& pause) {
   const double r = label_.frame.resolution;
   const auto farthest = static_cast<float>(options_.sensor_range - options_.range_margin);
-  std::vector<Piece> old;
+  std::deque<Piece> old;
   old.swap(pieces_);
+  std::size_t compared = 0;
   for (std::size_t k = 0; k < old.size(); ++k) {
+    if (k % 256 == 0) pause();
     piece_at_[old[k].cells.front()] = static_cast<int>(k);
   }
 
@@ -250,6 +255,7 @@ void FrontierDetector::find_viewpoints(const Traversability& traversability,
     if (frontier.length < options_.min_length - 0.5 * r) continue;
     // Group by tile; the cells of one tile stay in scan order.
     std::stable_sort(counted.begin(), counted.end(), [&](const Counted& a, const Counted& b) {
+      if (++compared % 1024 == 0) pause();
       return tile_of(a.cell) < tile_of(b.cell);
     });
     for (std::size_t begin = 0; begin < counted.size();) {
@@ -292,7 +298,11 @@ void FrontierDetector::find_viewpoints(const Traversability& traversability,
     frontier.viewpoints += static_cast<int>(piece.entries.size());
     frontier.active = frontier.viewpoints > 0;
   }
-  for (const Piece& piece : old) piece_at_[piece.cells.front()] = -1;
+  while (!old.empty()) {
+    if (old.size() % 64 == 0) pause();
+    piece_at_[old.back().cells.front()] = -1;
+    old.pop_back();
+  }
   std::fill(moved_.begin(), moved_.end(), Rectangle{});
 }
 
@@ -335,13 +345,19 @@ void FrontierDetector::cast(const Traversability& traversability, Piece& piece,
   }
 }
 
-void FrontierDetector::set_goal(int frontier, const ViewPrice& price) {
+void FrontierDetector::set_goal(int frontier, const ViewPrice& price, const PausePoint& pause) {
+  std::size_t seen = 0;
+  const auto pause_now_and_then = [&] {
+    if (++seen % 256 == 0) pause();
+  };
   changed_sources_.clear();
   marked_.clear();
   led_to_ = frontier;
   for (Piece& piece : pieces_) {
+    pause_now_and_then();
     if (piece.frontier != frontier) continue;
     for (Entry& e : piece.entries) {
+      pause_now_and_then();
       const Cell sees = piece.cells[static_cast<std::size_t>(e.sees)];
       e.price = price ? static_cast<float>(price(e.cell, sees)) : 0.0F;
       float& best = best_[e.cell];
@@ -350,11 +366,13 @@ void FrontierDetector::set_goal(int frontier, const ViewPrice& price) {
     }
   }
   for (const Cell c : led_) {
+    pause_now_and_then();
     if (best_[c] != kNoSource) continue;
     source_[c] = kNoSource;
     changed_sources_.push_back(c);
   }
   for (const Cell c : marked_) {
+    pause_now_and_then();
     if (best_[c] != source_[c]) {
       source_[c] = best_[c];
       changed_sources_.push_back(c);

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <vector>
 
@@ -97,7 +98,7 @@ class FrontierDetector {
   /// From now on the viewpoints of this frontier alone are sources; -1: there are none.
   /// price: asked of each of them, null: looks cost nothing more.
   /// Of what can be seen of one cluster in one tile, the cell nearest the viewpoint stands for all.
-  void set_goal(int frontier, const ViewPrice& price = nullptr);
+  void set_goal(int frontier, const ViewPrice& price = nullptr, const PausePoint& pause = {});
 
   /// Calls visit(frontier, cell, sees, viewpoint_cost [m]) for every viewpoint of every active
   /// frontier and the frontier cell that it sees best; a cell that sees several pieces of one comes
@@ -171,7 +172,7 @@ class FrontierDetector {
   Grid<int> label_;  // frontier index; -1: no frontier cell; -2: not labelled yet
   Grid<std::uint8_t> passable_;
   std::vector<Frontier> frontiers_;
-  std::vector<Piece> pieces_;  // ordered by frontier, then tile
+  std::deque<Piece> pieces_;  // ordered by frontier, then tile; not moved as they grow
   std::vector<Rectangle>
       moved_;  // by tile: cells whose freedom or passability changed since the last cast
   Grid<float> source_;

@@ -69,6 +69,18 @@ std::string fault_of(const Landmark& l, double farthest) {
 UsableLandmarks usable_landmarks(std::shared_ptr<const LandmarkMap> map, const PausePoint& pause) {
   UsableLandmarks result;
   std::shared_ptr<LandmarkMap> copy;
+  // Of the first `count` landmarks; there is room for all, so that it is not moved as it grows.
+  const auto begin_copy = [&](std::size_t count) {
+    copy = std::make_shared<LandmarkMap>();
+    copy->feature_density = map->feature_density;
+    copy->image_cell = map->image_cell;
+    copy->odometry_noise = map->odometry_noise;
+    copy->landmarks.reserve(map->landmarks.size());
+    for (std::size_t i = 0; i < count; ++i) {
+      if (i % 256 == 0) pause();
+      copy->landmarks.push_back(map->landmarks[i]);
+    }
+  };
   const auto note = [&](const std::string& fault) {
     if (result.fault.empty()) result.fault = fault;
   };
@@ -82,20 +94,14 @@ UsableLandmarks usable_landmarks(std::shared_ptr<const LandmarkMap> map, const P
     }
     note("landmark " + std::to_string(l.id) + ": " + fault);
     ++result.dropped;
-    if (copy) continue;
-    copy = std::make_shared<LandmarkMap>();
-    copy->feature_density = map->feature_density;
-    copy->image_cell = map->image_cell;
-    copy->odometry_noise = map->odometry_noise;
-    copy->landmarks.assign(map->landmarks.begin(),
-                           map->landmarks.begin() + static_cast<std::ptrdiff_t>(i));
+    if (!copy) begin_copy(i);
   }
   const auto check = [&](double LandmarkMap::*member, double most, const std::string& what) {
     const double value = (*map).*member;
     if (within(value, 0.0, most)) return;
     note(what + " is " + std::to_string(value) + "; expected 0 to " + std::to_string(most) +
          "; taken as 0");
-    if (!copy) copy = std::make_shared<LandmarkMap>(*map);
+    if (!copy) begin_copy(map->landmarks.size());
     (*copy).*member = 0.0;
   };
   check(&LandmarkMap::feature_density, kMostDensity, "feature_density");
@@ -104,7 +110,7 @@ UsableLandmarks usable_landmarks(std::shared_ptr<const LandmarkMap> map, const P
     if (map->odometry_noise) check_knobs("odometry_noise", *map->odometry_noise);
   } catch (const std::invalid_argument& e) {
     note(std::string(e.what()) + "; left out");
-    if (!copy) copy = std::make_shared<LandmarkMap>(*map);
+    if (!copy) begin_copy(map->landmarks.size());
     copy->odometry_noise.reset();
   }
   result.map = copy ? std::move(copy) : std::move(map);

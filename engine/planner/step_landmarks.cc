@@ -32,8 +32,8 @@ StepLandmarks step_landmarks(const RobotDescription& robot, const PlannerParamet
   unseen.height = (body_transform(belief.pose) * mount).z();
   unseen.max_blocks = p.max_landmarks / 4;
   unseen.image_cell = made.usable->image_cell;
-  made.expected =
-      unseen_features(*belief.ground, belief.pose, unseen, made.texture ? &*made.texture : nullptr);
+  made.expected = unseen_features(*belief.ground, belief.pose, unseen,
+                                  made.texture ? &*made.texture : nullptr, pause);
   made.mapped = select_landmarks(*made.usable, belief.pose, reach + mount.head<2>().norm(),
                                  p.max_landmarks - static_cast<int>(made.expected.size()),
                                  p.visibility, pause);

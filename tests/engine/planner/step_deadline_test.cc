@@ -2,6 +2,7 @@
 #include <octomap/OcTree.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <functional>
@@ -12,10 +13,16 @@
 #include <utility>
 #include <vector>
 
+#include "engine/features/unseen_features.h"
+#include "engine/frontiers/frontier_planner.h"
 #include "engine/maps/map_projection.h"
+#include "engine/planner/frontier_planner_options.h"
 #include "engine/planner/planner.h"
+#include "engine/planner/step_landmarks.h"
+#include "engine/support/resumable.h"
 #include "engine/support/stopwatch.h"
 #include "models/make_model.h"
+#include "tests/engine/known_rooms.h"
 #include "tests/engine/planning_scene.h"
 
 namespace prospect::step_deadline_test {
@@ -24,38 +31,8 @@ namespace {
 /// What a step may take where `asked` seconds are asked for [s].
 double allowed(double asked) { return 1.5 * asked + 0.002; }
 
-/// Rooms of 6 m with doors, each fifth of them unknown; `shift` cells further along both axes.
-void give_rooms(Belief& belief, double side, int shift = 0) {
-  const int n = static_cast<int>(std::lround(10.0 * side));
-  auto voxels = std::make_shared<VoxelGrid>(GridFrame{0.1, shift - 10, shift - 10, n, n}, 0.0, 0.6);
-  for (int j = 0; j < n; ++j) {
-    for (int i = 0; i < n; ++i) {
-      if ((i / 60 + j / 60) % 5 == 4) continue;
-      const bool rim = i == 0 || j == 0 || i == n - 1 || j == n - 1;
-      const bool wall = rim || (i % 60 == 0 && j % 60 > 14) || (j % 60 == 0 && i % 60 > 14);
-      for (int k = 0; k < 6; ++k) {
-        voxels->set(i + shift - 10, j + shift - 10, k,
-                    wall ? CellState::kOccupied : CellState::kFree);
-      }
-    }
-  }
-  belief.ground = std::make_shared<const GroundMap>(project(*voxels, {0.1, 0.5}, 16));
-  belief.voxels = std::move(voxels);
-}
-
-std::shared_ptr<const LandmarkMap> landmarks_about(int count) {
-  auto map = std::make_shared<LandmarkMap>();
-  for (int n = 0; n < count; ++n) {
-    Landmark l;
-    l.id = static_cast<std::uint64_t>(n + 1);
-    const double angle = 2.4 * n, distance = 1.0 + std::fmod(0.37 * n, 10.0);
-    l.position = {2.0 + distance * std::cos(angle), 2.0 + distance * std::sin(angle),
-                  0.2 + 0.008 * (n % 100)};
-    l.creation_direction = -Eigen::Vector3d::UnitX();
-    map->landmarks.push_back(l);
-  }
-  return map;
-}
+using test::give_rooms;
+using test::landmarks_about;
 
 /// A robot that drives as it is told.
 class StepDeadline : public ::testing::Test {
@@ -257,6 +234,63 @@ TEST_F(StepDeadline, OfHostileMaps) {
     for (int n = 0; n < 20; ++n) EXPECT_NE(step().fault, PlanFault::kError) << plans_.back().detail;
     expect_in_time(row.deadline);
   }
+}
+
+/// The share of its processor time that the longest piece of it takes, of two runs the less.
+double longest_piece(const std::function<void(const PausePoint&)>& work) {
+  double least = 1.0;
+  for (int run = 0; run < 2; ++run) {
+    Resumable resumable;
+    resumable.begin(work);
+    double longest = 0.0, total = 0.0;
+    for (bool done = false; !done;) {
+      ProcessorStopwatch watch(CLOCK_PROCESS_CPUTIME_ID);
+      done = resumable.run_until(Resumable::Clock::now() + std::chrono::microseconds(200));
+      const double took = watch.lap();
+      longest = std::max(longest, took);
+      total += took;
+    }
+    least = std::min(least, longest / total);
+  }
+  return least;
+}
+
+// One that is not usable had all that are copied at once; looking for unknown ground never paused;
+// nor did what is asked of each of 10,000 frontiers.
+TEST_F(StepDeadline, NoPieceTakesLong) {
+  RobotDescription robot;
+  robot.model = make_model("unicycle");
+  PlannerParameters parameters;
+  const auto landmarks_with = [&](const std::function<void(LandmarkMap&)>& fault) {
+    auto map = std::make_shared<LandmarkMap>(*landmarks_about(200'000));
+    fault(*map);
+    belief_.landmarks = std::move(map);
+    return longest_piece(
+        [&](const PausePoint& pause) { step_landmarks(robot, parameters, belief_, pause); });
+  };
+  give_rooms(belief_, 20.0);
+  EXPECT_LT(landmarks_with([](LandmarkMap& m) { m.landmarks.back().survival = 2.0; }), 0.2);
+  EXPECT_LT(landmarks_with([](LandmarkMap& m) { m.feature_density = -1.0; }), 0.2);
+
+  // Unknown ground is far off.
+  auto known = std::make_shared<VoxelGrid>(GridFrame{0.1, -600, -600, 1200, 1200}, 0.0, 0.1);
+  for (int i = -600; i < 600; ++i) {
+    for (int j = -600; j < 600; ++j) known->set(i, j, 0, CellState::kFree);
+  }
+  const GroundMap ground = project(*known, {0.0, 0.1});
+  UnseenFeatureOptions unseen;
+  unseen.range = 100.0;
+  EXPECT_LT(longest_piece([&](const PausePoint& pause) {
+              unseen_features(ground, Pose(), unseen, nullptr, pause);
+            }),
+            0.2);
+
+  give_speckle(belief_, 40.0);
+  EXPECT_LT(longest_piece([&](const PausePoint& pause) {
+              FrontierPlanner planner(frontier_planner_options_for(robot, parameters));
+              planner.update(*belief_.ground, Pose(), 0.0, {}, nullptr, pause);
+            }),
+            0.1);
 }
 
 // Between steps with whole beliefs, one that is not: nothing that is under way is lost by it.
