@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -29,6 +30,7 @@
 #include "adapters/formats/files/input_error.h"
 #include "adapters/formats/worlds/mesh_file.h"
 #include "adapters/formats/worlds/polygon_triangles.h"
+#include "adapters/formats/worlds/sdf_fields.h"
 #include "adapters/formats/worlds/sdf_file.h"
 #include "models/lower_case.h"
 #include "perception/odometry/rotation_between.h"
@@ -45,21 +47,6 @@ constexpr int kMostModels = 20'000;
 constexpr int kMostShapes = 200'000;
 constexpr std::size_t kMostTriangles = 20'000'000;
 constexpr std::uintmax_t kLargestSdf = std::uintmax_t{64} << 20;
-
-/// Elements that say nothing of where surfaces are. All that is neither read, nor here, nor told by
-/// its name is told as an element.
-const std::set<std::string> kHarmless = {
-    // of a world
-    "physics", "scene", "gui", "gravity", "magnetic_field", "atmosphere", "wind", "audio",
-    "spherical_coordinates", "name", "author", "version", "description",
-    // of a model
-    "static", "self_collide", "allow_auto_disable", "enable_wind", "pose", "joint", "uri",
-    "placement_frame", "gripper",
-    // of a link
-    "inertial", "velocity_decay", "kinematic", "must_be_base_link", "audio_source", "audio_sink",
-    "battery",
-    // read elsewhere
-    "model", "include", "link", "frame", "state", "visual", "collision", "world"};
 
 std::string without_space(const char* value) {
   std::string text = value != nullptr ? value : "";
@@ -90,10 +77,11 @@ class Reader {
     top.file = path;
     const XMLElement* world = sdf.FirstChildElement("world");
     if (world == nullptr) {
-      build(sdf, top, 0);
+      build(sdf, "sdf", top, 0);
     } else {
       top.is_world = true;
-      build(*world, top, 0);
+      check_gravity(path, *world);
+      build(*world, "world", top, 0);
       for (const XMLElement* e = sdf.FirstChildElement(); e != nullptr;
            e = e->NextSiblingElement()) {
         if (e != world) mesh_.left_out.count(std::string(e->Name()) + " beside the world");
@@ -179,7 +167,35 @@ class Reader {
       throw InputError(path + ": its root is " + in_quotes(name) +
                        (name == "robot" ? ", a URDF" : "") + "; expected a Gazebo world, <sdf>");
     }
+    check_version(path, *sdf);
     return *sdf;
+  }
+
+  /// Before 1.3 poses were attributes of another element; later than 1.12 nobody knows.
+  static void check_version(const std::string& path, const XMLElement& sdf) {
+    const char* version = sdf.Attribute("version");
+    if (version == nullptr) return;
+    int minor = 0;
+    char more = 0;
+    const std::string text = without_space(version);
+    if (std::sscanf(text.c_str(), "1.%d%c", &minor, &more) != 1 || minor < 3 || minor > 12) {
+      refuse(path, sdf, "SDF of version " + in_quotes(text) + "; expected 1.3 to 1.12");
+    }
+  }
+
+  /// Up is z.
+  static void check_gravity(const std::string& file, const XMLElement& world) {
+    const XMLElement* of_physics = world.FirstChildElement("physics");
+    for (const XMLElement* holds : {&world, of_physics}) {
+      const XMLElement* gravity = holds == nullptr ? nullptr : holds->FirstChildElement("gravity");
+      if (gravity == nullptr || gravity->GetText() == nullptr) continue;
+      const std::vector<double> g = numbers(file, *gravity, 3);
+      if (g[2] > 0.0 || std::max(std::abs(g[0]), std::abs(g[1])) > -g[2]) {
+        refuse(file, *gravity,
+               "a gravity of " + in_quotes(without_space(gravity->GetText())) +
+                   "; expected it along -z, which is down");
+      }
+    }
   }
 
   static std::vector<double> numbers(const std::string& file, const XMLElement& element,
@@ -289,15 +305,27 @@ class Reader {
     model.inside->parent = &parent;
     model.inside->self = &model;
     model.placement = without_space(element.Attribute("placement_frame"));
-    build(element, *model.inside, depth);
+    build(element, "model", *model.inside, depth);
   }
 
-  /// The nodes of a world, of a model, or of the top of a file.
-  void build(const XMLElement& parent, Scope& scope, int depth) {
+  /// The nodes of a world, of a model, or of the top of a file: of what the table of fields calls
+  /// `what`.
+  void build(const XMLElement& parent, const std::string& what, Scope& scope, int depth) {
+    leave_out_attributes(parent, what);
     for (const XMLElement* e = parent.FirstChildElement(); e != nullptr;
          e = e->NextSiblingElement()) {
       const std::string kind = e->Name(), name = without_space(e->Attribute("name"));
-      if (kind == "include") {
+      const FieldRule* rule = sdf_field(what + "/" + kind);
+      const bool read = rule != nullptr && rule->use == FieldUse::kUsed;
+      if (kind.starts_with("xacro:")) {
+        refuse(scope.file, *e,
+               "<" + kind.substr(0, 40) + ">, which xacro would replace; expected what it writes");
+      } else if (kind == "population") {
+        refuse(scope.file, *e,
+               "a <population>, which makes models by itself; expected each as a <model>");
+      } else if (!read) {
+        leave_out(what, *e);
+      } else if (kind == "include") {
         include_or_tell(*e, scope, depth);
       } else if (kind == "model") {
         fill(add(scope, Node::kModel, *e, scope.file, name), *e, scope, scope.file, depth);
@@ -306,27 +334,49 @@ class Reader {
       } else if (kind == "frame") {
         Node& frame = add(scope, Node::kFrame, *e, scope.file, name);
         frame.relative_to = without_space(e->Attribute("attached_to"));
+        leave_out_rest("frame", *e);
       } else if (kind == "joint" && !name.empty()) {
         Node& joint = add(scope, Node::kJoint, *e, scope.file, name);
         if (const XMLElement* child = e->FirstChildElement("child")) {
           joint.relative_to = without_space(child->GetText());
         }
-      } else if (kind.starts_with("xacro:")) {
-        refuse(scope.file, *e,
-               "<" + kind.substr(0, 40) + ">, which xacro would replace; expected what it writes");
-      } else if (kind == "population") {
-        refuse(scope.file, *e,
-               "a <population>, which makes models by itself; expected each as a <model>");
+        leave_out_rest("joint", *e);
       } else {
-        leave_out(*e);
+        leave_out(what, *e);
       }
     }
   }
 
-  /// Tells what is not read, but for what says nothing of surfaces.
-  void leave_out(const XMLElement& element) {
-    const std::string kind = element.Name();
-    if (kHarmless.count(kind) > 0) return;
+  /// Whether nothing but what is usual is said.
+  static bool is_usual(const std::string& field, const XMLElement& element) {
+    const std::string text = without_space(element.GetText());
+    if (field == "visual/transparency") return element.DoubleText(1.0) == 0.0;
+    return field == "visual/visibility_flags" && text == "4294967295";
+  }
+
+  /// Tells of what is in an element that is read, `what` in the table of fields, what the table
+  /// does not have or refuses.
+  void leave_out_rest(const std::string& what, const XMLElement& element) {
+    leave_out_attributes(element, what);
+    for (const XMLElement* e = element.FirstChildElement(); e != nullptr;
+         e = e->NextSiblingElement()) {
+      leave_out(what, *e);
+    }
+  }
+
+  void leave_out_attributes(const XMLElement& element, const std::string& what) {
+    for (const tinyxml2::XMLAttribute* a = element.FirstAttribute(); a != nullptr; a = a->Next()) {
+      const std::string name = a->Name();
+      if (name.starts_with("xmlns") || sdf_field(what + "@" + name) != nullptr) continue;
+      lights_and_more_.count(in_quotes(name) + " attribute");
+    }
+  }
+
+  void leave_out(const std::string& parent, const XMLElement& element) {
+    const std::string kind = element.Name(), field = parent + "/" + kind;
+    const FieldRule* rule = sdf_field(field);
+    if (kind == "pose") leave_out_attributes(element, kind);
+    if (rule != nullptr && (rule->use != FieldUse::kRefused || is_usual(field, element))) return;
     for (const char* known : {"light", "plugin", "sensor", "actor", "road", "projector"}) {
       if (kind != known) continue;
       lights_and_more_.count(kind);
@@ -334,6 +384,8 @@ class Reader {
     }
     if (kind == "particle_emitter") {
       lights_and_more_.count("particle emitter");
+    } else if (parent == "material" && rule != nullptr) {
+      lights_and_more_.count("material " + kind);
     } else {
       lights_and_more_.count(in_quotes(kind) + " element");
     }
@@ -387,10 +439,7 @@ class Reader {
     const std::string name = element.FirstChildElement("name") != nullptr
                                  ? without_space(element.FirstChildElement("name")->GetText())
                                  : "";
-    for (const XMLElement* e = element.FirstChildElement(); e != nullptr;
-         e = e->NextSiblingElement()) {
-      leave_out(*e);
-    }
+    leave_out_rest("include", element);
     const fs::path found = find(scope.file, uri, [](const fs::path& candidate) {
       std::error_code error;
       return fs::exists(model_file(candidate), error);
@@ -426,6 +475,7 @@ class Reader {
     bool any = false;
     const XMLElement* world = sdf.FirstChildElement("world");
     const XMLElement& parent = world != nullptr ? *world : sdf;
+    const std::string what = world != nullptr ? "world" : "sdf";
     for (const XMLElement* e = parent.FirstChildElement(); e != nullptr;
          e = e->NextSiblingElement()) {
       const std::string kind = e->Name();
@@ -453,7 +503,7 @@ class Reader {
         any = true;
       } else {
         any = any || kind == "light" || kind == "actor";
-        leave_out(*e);
+        leave_out(what, *e);
       }
     }
     if (!any) refuse(scope.file, element, in_quotes(uri) + " holds no model; expected one");
@@ -478,23 +528,12 @@ class Reader {
 
   /// Poses and models as the simulation left them when the world was saved.
   void apply_state(const XMLElement& state, Scope& world) {
+    leave_out_rest("state", state);
     for (const XMLElement* e = state.FirstChildElement(); e != nullptr;
          e = e->NextSiblingElement()) {
       const std::string kind = e->Name();
-      if (kind == "model") {
-        const auto found = world.named.find(without_space(e->Attribute("name")));
-        if (found == world.named.end()) continue;  // of a model that is not there any more
-        Node& model = *found->second;
-        apply_state_to(*e, model, world.file);
-        if (const XMLElement* scale = e->FirstChildElement("scale")) {
-          for (const double s : numbers(world.file, *scale, 3)) {
-            if (s != 1.0) {
-              refuse(world.file, *scale, "a model that is scaled in <state>; expected 1 1 1");
-            }
-          }
-        }
-      } else if (kind == "insertions") {
-        build(*e, world, 0);
+      if (kind == "insertions") {
+        build(*e, kind, world, 0);
       } else if (kind == "deletions") {
         for (const XMLElement* gone = e->FirstChildElement("name"); gone != nullptr;
              gone = gone->NextSiblingElement("name")) {
@@ -503,22 +542,43 @@ class Reader {
           deleted_.insert(found->second);
         }
       }
-      // Times, lights and joints say nothing of surfaces.
+    }
+    apply_states_of(state, {"model", "model_state"}, world);
+  }
+
+  /// Those of the models or links that an element of a state holds, by either of their names.
+  void apply_states_of(const XMLElement& state, const std::set<std::string>& kinds,
+                       const Scope& scope) {
+    for (const XMLElement* e = state.FirstChildElement(); e != nullptr;
+         e = e->NextSiblingElement()) {
+      if (kinds.count(e->Name()) == 0) continue;
+      const std::string name = without_space(e->Attribute("name"));
+      const auto found = scope.named.find(name);
+      if (found == scope.named.end()) {
+        lights_and_more_.name("state of " + in_quotes(name) + " (absent)");
+      } else {
+        apply_state_to(*e, *found->second, scope.file);
+      }
     }
   }
 
-  void apply_state_to(const XMLElement& state, Node& model, const std::string& file) {
+  void apply_state_to(const XMLElement& state, Node& node, const std::string& file) {
+    leave_out_rest(node.kind == Node::kLink ? "link_state" : "model_state", state);
     if (const XMLElement* pose = state.FirstChildElement("pose")) {
-      model.in_world = pose_of(file, pose);
+      if (!frame_of(pose).empty()) {
+        refuse(file, *pose,
+               "a pose relative to " + in_quotes(frame_of(pose)) +
+                   " in <state>; expected one in the world");
+      }
+      node.in_world = pose_of(file, pose);
     }
-    if (model.inside == nullptr) return;
-    for (const char* kind : {"link", "model"}) {
-      for (const XMLElement* e = state.FirstChildElement(kind); e != nullptr;
-           e = e->NextSiblingElement(kind)) {
-        const auto found = model.inside->named.find(without_space(e->Attribute("name")));
-        if (found != model.inside->named.end()) apply_state_to(*e, *found->second, file);
+    if (const XMLElement* scale = state.FirstChildElement("scale")) {
+      for (const double s : numbers(file, *scale, 3)) {
+        if (s != 1.0) refuse(file, *scale, "a model that is scaled in <state>; expected 1 1 1");
       }
     }
+    if (node.inside == nullptr) return;
+    apply_states_of(state, {"link", "link_state", "model", "model_state"}, *node.inside);
   }
 
   // --- where it is -------------------------------------------------------------------------------
@@ -609,6 +669,7 @@ class Reader {
     const Eigen::Affine3d T_SL = pose_in_scope(link, scope);
     const Eigen::Affine3d T_WL = link.in_world ? *link.in_world : T_WS * T_SL;
     const bool shows = link.element->FirstChildElement("visual") != nullptr;
+    leave_out_attributes(*link.element, "link");
     for (const XMLElement* e = link.element->FirstChildElement(); e != nullptr;
          e = e->NextSiblingElement()) {
       const std::string kind = e->Name();
@@ -628,7 +689,7 @@ class Reader {
           lights_and_more_.count(std::string(shape->Name()).substr(0, 40) + " collision");
         }
       } else {
-        leave_out(*e);
+        leave_out("link", *e);
       }
     }
   }
@@ -658,6 +719,24 @@ class Reader {
     }
     const XMLElement& shape = *first;
     const std::string kind = shape.Name();
+    leave_out_rest("visual", visual);
+    if (const XMLElement* material = visual.FirstChildElement("material")) {
+      leave_out_rest("material", *material);
+    }
+    const FieldRule* rule = sdf_field("geometry/" + kind);
+    if (rule == nullptr || rule->use == FieldUse::kRefused) {
+      lights_and_more_.count(in_quotes(kind) + " shape");
+      return;
+    }
+    leave_out_rest(kind, shape);
+    for (const XMLElement* e = shape.NextSiblingElement(); e != nullptr;
+         e = e->NextSiblingElement()) {
+      if (kind == "polyline" && kind == e->Name()) {
+        leave_out_rest(kind, *e);
+      } else {
+        lights_and_more_.count("further " + in_quotes(e->Name()) + " shape");
+      }
+    }
     const auto one = [&](const char* name) { return lengths(place.file, shape, name, 1)[0]; };
     const auto plain = [&](TexturedMesh part, const Eigen::Affine3d& T) {
       add_plain(std::move(part), grey_of(visual, place), T);
@@ -703,8 +782,6 @@ class Reader {
       Eigen::Affine3d T = place.T_W;
       T.rotate(rotation_between(Eigen::Vector3d::UnitZ(), direction));
       plain(std::move(plane), T);
-    } else if (kind != "empty") {
-      lights_and_more_.count(in_quotes(kind) + " shape");
     }
   }
 
@@ -910,6 +987,7 @@ class Reader {
     Submesh submesh;
     if (const XMLElement* wanted = shape.FirstChildElement("submesh")) {
       submesh.name = text(place.file, *wanted, "name");
+      leave_out_rest("submesh", *wanted);
       if (const XMLElement* centre = wanted->FirstChildElement("center")) {
         submesh.centred = is_true(centre->GetText());
       }
