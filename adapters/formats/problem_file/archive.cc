@@ -59,8 +59,8 @@ void Archive::begin_group(const std::string& name) {
 }
 
 void Archive::end_group() {
-  place_.pop_back();
   leave();
+  place_.pop_back();
 }
 
 void Archive::optional_group(const std::string& name, bool& present,

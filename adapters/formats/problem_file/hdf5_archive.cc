@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <memory>
+#include <set>
 #include <stdexcept>
 #include <utility>
 
@@ -306,8 +307,33 @@ struct Hdf5Reader::Impl {
   std::size_t size = 0;  // of the file
   Handle file;
   std::vector<Handle> groups;
+  std::vector<std::set<std::string>> asked{{}};  // of each group, the names asked for
 
   hid_t here() const { return groups.back().id(); }
+
+  /// The first entry of the present group, attribute or other, that nobody has asked for and that
+  /// is no note; "" if there is none.
+  std::string unknown() const {
+    struct Search {
+      const std::set<std::string>& asked;
+      std::string found{};
+      herr_t take(const char* name) {
+        if (std::string_view(name).starts_with("note") || asked.count(name) > 0) return 0;
+        found = name;
+        return 1;
+      }
+    } search{asked.back()};
+    const auto attribute = [](hid_t, const char* name, const H5A_info_t*, void* to) -> herr_t {
+      return static_cast<Search*>(to)->take(name);
+    };
+    const auto link = [](hid_t, const char* name, const H5L_info_t*, void* to) -> herr_t {
+      return static_cast<Search*>(to)->take(name);
+    };
+    if (H5Aiterate2(here(), H5_INDEX_NAME, H5_ITER_INC, nullptr, attribute, &search) == 0) {
+      H5Literate(here(), H5_INDEX_NAME, H5_ITER_INC, nullptr, link, &search);
+    }
+    return search.found;
+  }
 
   /// Whether the present group has an entry of that name that is part of this file.
   bool has(const std::string& name) const {
@@ -341,6 +367,7 @@ Hdf5Reader::Hdf5Reader(std::string_view file) : impl_(std::make_unique<Impl>()) 
 Hdf5Reader::~Hdf5Reader() = default;
 
 void Hdf5Reader::attribute(const char* name, Type type, const Shape& shape, void* data) {
+  impl_->asked.back().insert(name);
   const std::string expected = "an attribute of type " + describe(type, shape);
   const htri_t exists = H5Aexists(impl_->here(), name);
   if (exists == 0) refuse(name, "missing", expected);
@@ -361,6 +388,7 @@ void Hdf5Reader::attribute(const char* name, Type type, const Shape& shape, void
 }
 
 void Hdf5Reader::text_attribute(const char* name, std::string& value) {
+  impl_->asked.back().insert(name);
   const std::string expected =
       "a text of a fixed length, at most " + std::to_string(kLongest) + " bytes";
   const htri_t exists = H5Aexists(impl_->here(), name);
@@ -446,6 +474,7 @@ Archive::Shape Hdf5Reader::dataset_shape(const char* name, std::size_t rank) {
 }
 
 void Hdf5Reader::dataset(const char* name, Type type, const Shape& shape, void* data) {
+  impl_->asked.back().insert(name);
   const std::string expected = "a dataset of type " + describe(type, shape);
   if (!impl_->has(name)) refuse(name, "missing", expected);
   const Handle d(H5Dopen2(impl_->here(), name, H5P_DEFAULT), H5Dclose);
@@ -464,6 +493,7 @@ void Hdf5Reader::dataset(const char* name, Type type, const Shape& shape, void* 
 }
 
 void Hdf5Reader::text_dataset(const char* name, std::vector<std::string>& values) {
+  impl_->asked.back().insert(name);
   const std::string expected = "a dataset of " + std::to_string(values.size()) +
                                " texts of a fixed length, at most " + std::to_string(kLongest) +
                                " bytes each";
@@ -494,10 +524,25 @@ void Hdf5Reader::enter(const std::string& name) {
   if (!impl_->has(name)) refuse(name, "missing", "a group");
   Handle group(H5Gopen2(impl_->here(), name.c_str(), H5P_DEFAULT), H5Gclose);
   if (!group.valid()) refuse(name, "damaged (" + last_error() + ")", "a group");
+  impl_->asked.back().insert(name);
   impl_->groups.push_back(std::move(group));
+  impl_->asked.emplace_back();
 }
 
-void Hdf5Reader::leave() { impl_->groups.pop_back(); }
+void Hdf5Reader::finish() {
+  const std::string unknown = impl_->unknown();
+  if (!unknown.empty()) {
+    constexpr std::size_t kShown = 60;
+    refuse(unknown.substr(0, kShown), "not read",
+           "what a problem of its version, model and shape has; notes are called note...");
+  }
+}
+
+void Hdf5Reader::leave() {
+  finish();
+  impl_->groups.pop_back();
+  impl_->asked.pop_back();
+}
 
 bool Hdf5Reader::has_group(const std::string& name) { return impl_->has(name); }
 

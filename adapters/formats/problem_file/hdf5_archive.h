@@ -40,14 +40,17 @@ class Hdf5Writer final : public Archive {
 
 /// Takes nothing on trust: an entry must have the very type and shape that is asked for before
 /// anything is read or allocated, its data must lie in this file (no external files, no links to
-/// elsewhere, no filters but the usual), and checksums must hold. Entries that are not asked for
-/// are ignored. (Against accidents: HDF5 inflates a crafted chunk before it compares sizes.)
+/// elsewhere, no filters but the usual), and checksums must hold. An entry that nobody has asked
+/// for when its group is left is refused, but for notes: what is called note... (Against accidents:
+/// HDF5 inflates a crafted chunk before it compares sizes.)
 class Hdf5Reader final : public Archive {
  public:
   /// `file` need not outlive the constructor. Throws std::invalid_argument if it is no HDF5 file.
   explicit Hdf5Reader(std::string_view file);
   ~Hdf5Reader() override;
   bool writing() const override { return false; }
+  /// Nothing is asked for after it: looks through what is left at the root.
+  void finish();
 
  private:
   void attribute(const char* name, Type type, const Shape& shape, void* data) override;

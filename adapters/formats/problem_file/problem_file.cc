@@ -130,6 +130,7 @@ ReadProblem read_problem(const std::string& path, const TermRegistry& terms) {
     ReadProblem read;
     Hdf5Reader reader(bytes);
     transfer_problem(reader, read.saved, terms);
+    reader.finish();
     read.problem = make_problem(read.saved.specification);
     check_can_be_solved(read);
     return read;

@@ -35,6 +35,15 @@ class Entry {
     if (!json.is_object()) fail("is no object", "{\"name\": ..., \"n\": ..., ...}");
   }
   void name(const std::string& name) { where_ += " '" + name + "'"; }
+  /// Refuses lists that nothing reads: they state more than the problem that is solved.
+  void check_entries(const std::set<std::string>& known) const {
+    for (const auto& [key, value] : json_.items()) {
+      if (value.is_array() && !known.contains(key)) {
+        fail(key + " is not read",
+             "no further lists: what states more than the problem is not solved");
+      }
+    }
+  }
 
   [[noreturn]] void fail(const std::string& what, const std::string& expected) const {
     throw InputError(where_ + ": " + what + "; expected " + expected);
@@ -137,6 +146,7 @@ BenchProblem read_function_problem(const std::string& path, std::size_t index,
   FunctionProblem p;
   p.name = entry.text("name");
   entry.name(p.name);
+  entry.check_entries({"x0", "lower", "upper", "inequalities_nonneg", "equalities_zero"});
   const double variables = entry.number("n");
   const int n = static_cast<int>(std::clamp(variables, 0.0, 1e6));
   if (n < 1 || n > kMostVariables || n != variables) {

@@ -131,6 +131,8 @@ TEST_F(ExpressionFile, SaysWhatIsWrongAndWhere) {
   EXPECT_THAT(refusal(hs14("\"f_opt\": 1.3934646209", "\"f_opt\": \"low\"")),
               HasSubstr("f_opt is no number; expected"));
   EXPECT_THAT(refusal(hs14("\"(x1-2)^2+(x2-1)^2\"", "7")), HasSubstr("objective is no text"));
+  EXPECT_THAT(refusal(hs14("\"n\": 2", "\"n\": 2, \"inequalities_nonpos\": [\"x1\"]")),
+              HasSubstr("'HS14': inequalities_nonpos is not read; expected"));
   const std::string one = hs14(),
                     twice = one.substr(0, one.size() - 2) + "," + one.substr(one.find("[{") + 1);
   EXPECT_THAT(refusal(twice), HasSubstr("'HS14' is there twice; expected"));
