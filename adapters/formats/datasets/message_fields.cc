@@ -2,11 +2,14 @@
 
 #include <string_view>
 
+#include "adapters/formats/ros/action_msgs.h"
 #include "adapters/formats/ros/geometry_msgs.h"
+#include "adapters/formats/ros/nav2_msgs.h"
 #include "adapters/formats/ros/nav_msgs.h"
 #include "adapters/formats/ros/rosgraph_msgs.h"
 #include "adapters/formats/ros/sensor_msgs.h"
 #include "adapters/formats/ros/std_msgs.h"
+#include "adapters/formats/ros/std_srvs.h"
 #include "adapters/formats/ros/tf2_msgs.h"
 
 namespace prospect {
@@ -150,6 +153,35 @@ constexpr FieldRule kString[] = {
     {"data", kUsed},
 };
 
+constexpr FieldRule kNavigateToPose[] = {
+    {"goal_id.uuid", kUsed},
+    {"goal.pose.header.stamp.sec", kUsed},
+    {"goal.pose.header.stamp.nanosec", kUsed},
+    {"goal.pose.header.frame_id", kUsed},
+    {"goal.pose.pose.position.x", kUsed},
+    {"goal.pose.pose.position.y", kUsed},
+    {"goal.pose.pose.position.z", kUsed},
+    {"goal.pose.pose.orientation.x", kUsed},
+    {"goal.pose.pose.orientation.y", kUsed},
+    {"goal.pose.pose.orientation.z", kUsed},
+    {"goal.pose.pose.orientation.w", kUsed},
+    {"goal.behavior_tree", kRefused},
+};
+
+constexpr FieldRule kGetResult[] = {
+    {"goal_id.uuid", kUsed},
+};
+
+constexpr FieldRule kCancelGoal[] = {
+    {"goal_info.goal_id.uuid", kUsed},
+    {"goal_info.stamp.sec", kUsed},
+    {"goal_info.stamp.nanosec", kUsed},
+};
+
+constexpr FieldRule kTrigger[] = {
+    {"structure_needs_at_least_one_member", kNotNeeded, "what is asked for is the service's name"},
+};
+
 constexpr FieldRule kClock[] = {
     {"clock.sec", kUsed},
     {"clock.nanosec", kUsed},
@@ -174,6 +206,10 @@ std::span<const FieldRule> fields_of(const char* type) {
   if (name == ros::Bool::kType) return kBool;
   if (name == ros::String::kType) return kString;
   if (name == ros::Clock::kType) return kClock;
+  if (name == ros::NavigateToPoseSendGoalRequest::kType) return kNavigateToPose;
+  if (name == ros::NavigateToPoseGetResultRequest::kType) return kGetResult;
+  if (name == ros::CancelGoalRequest::kType) return kCancelGoal;
+  if (name == ros::TriggerRequest::kType) return kTrigger;
   return {};
 }
 

@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
-#include <limits>
+#include <map>
 #include <opencv2/core.hpp>
 #include <regex>
 #include <set>
@@ -28,64 +28,10 @@
 #include "adapters/formats/ros/rosgraph_msgs.h"
 #include "adapters/formats/ros/sensor_msgs.h"
 #include "adapters/formats/ros/tf2_msgs.h"
+#include "tests/adapters/formats/altered_message.h"
 
 namespace prospect::message_fields_test {
 namespace {
-
-/// Visits the fields of a message by their full names, and gives one of them another value: one of
-/// kWays.
-constexpr int kWays = 4;
-struct Alters {
-  std::string target, prefix;
-  int way = 0;
-  std::vector<std::uint8_t> bytes{};  // of the altered data
-
-  template <ros::Message T>
-  void operator()(const char* name, T& value) {
-    const std::string above = prefix;
-    prefix += std::string(name) + ".";
-    T::fields(value, *this);
-    prefix = above;
-  }
-  template <ros::Message T>
-  void operator()(const char* name, std::vector<T>& values) {
-    ASSERT_FALSE(values.empty()) << name;
-    (*this)(name, values.front());
-  }
-  template <typename T>
-  void operator()(const char* name, T& value) {
-    if (prefix + name == target) alter(value);
-  }
-
-  template <ros::detail::Plain T>
-  void alter(T& value) {
-    if (way == 0) value = static_cast<T>(value + 1);
-    if (way == 1) value = value == T{} ? static_cast<T>(-1) : static_cast<T>(-value);
-    if (way == 2) value = static_cast<T>(value + 100);
-    if (way == 3 && std::is_floating_point_v<T>) value = std::numeric_limits<T>::quiet_NaN();
-    if (way == 3 && !std::is_floating_point_v<T>) value = static_cast<T>(value + 1);
-  }
-  void alter(bool& value) { value = !value; }
-  void alter(std::string& text) {
-    if (way < 2) text += "_";
-    if (way == 2) text = "32FC1; compressedDepth rvl";
-    if (way == 3) text.clear();
-  }
-  template <typename T, std::size_t N>
-  void alter(std::array<T, N>& values) {
-    alter(values.front());
-  }
-  template <typename T>
-  void alter(std::vector<T>& values) {
-    if (way == 2) return values.clear();
-    alter(values.front());
-  }
-  void alter(std::span<const std::uint8_t>& data) {
-    bytes.assign(data.begin(), data.end());
-    bytes[bytes.size() - 2 - static_cast<std::size_t>(way)] ^= 1U;
-    data = bytes;
-  }
-};
 
 std::string text(const auto&... numbers) {
   std::ostringstream out;
@@ -110,88 +56,30 @@ std::string text_of(const RosMotion& m) {
          m.frame;
 }
 
-/// What reading makes of a message, as text; what is wrong with it, if it is refused.
-template <ros::Message T>
-std::string outcome(const T& message,
-                    const std::function<std::string(std::string_view cdr)>& read) {
-  const std::string cdr = ros::to_cdr(message);
-  try {
-    return read(cdr);
-  } catch (const InputError& e) {
-    return std::string("refused: ") + e.what();
-  }
-}
 /// With stamp and frame of its header.
 std::string with_header(std::string_view cdr, const std::string& rest) {
   const RosHeader header = read_ros_header(cdr, "m");
   return text(header.stamp) + header.frame + " " + rest;
 }
 
-/// The fields that the definition of a type names, by their full names.
-void add_fields(const std::vector<ros::MessageDefinition>& all, const std::string& type,
-                const std::string& prefix, std::set<std::string>& names) {
-  for (const ros::MessageDefinition& one : all) {
-    if (one.name != type) continue;
-    for (const ros::FieldDefinition& field : one.fields) {
-      if (field.kind == ros::FieldDefinition::kMessage) {
-        add_fields(all, field.message, prefix + field.name + ".", names);
-      } else {
-        names.insert(prefix + field.name);
-      }
-    }
-  }
-}
-
-/// The table names each field of the definition once, and no other; and it is true of what reading
-/// makes of the messages with this field altered.
+/// Holds the table against what reading makes of the bytes of messages.
 template <ros::Message T>
 void check(const std::vector<T>& messages,
            const std::function<std::string(std::string_view cdr)>& read) {
-  std::set<std::string> defined, listed;
-  add_fields(ros::definition_of<T>(), T::kType, "", defined);
-  for (const FieldRule& field : fields_of(T::kType)) {
-    SCOPED_TRACE(std::string(T::kType) + " " + field.name);
-    EXPECT_TRUE(listed.insert(field.name).second) << "listed twice";
-    int differ = 0, refused = 0, tried = 0;
-    for (const T& sound : messages) {
-      const std::string before = outcome(sound, read);
-      ASSERT_FALSE(before.starts_with("refused")) << before;
-      for (int way = 0; way < kWays; ++way) {
-        T message = sound;
-        Alters alters{field.name, "", way};
-        T::fields(message, alters);
-        const std::string after = outcome(message, read);
-        ++tried;
-        if (after.starts_with("refused")) {
-          ++refused;
-        } else if (after != before) {
-          ++differ;
-        }
-      }
+  test::expect_fields_of<T>(messages, [&](const T& message) {
+    const std::string cdr = ros::to_cdr(message);
+    try {
+      return read(cdr);
+    } catch (const InputError& e) {
+      return std::string("refused: ") + e.what();
     }
-    switch (field.use) {
-      case FieldUse::kUsed:
-        EXPECT_GT(differ + refused, 0);
-        break;
-      case FieldUse::kChecked:
-        EXPECT_EQ(differ, 0);
-        EXPECT_GT(refused, 0);
-        break;
-      case FieldUse::kRefused:
-        EXPECT_EQ(refused, tried);
-        break;
-      case FieldUse::kNotNeeded:
-        EXPECT_EQ(differ + refused, 0);
-    }
-    EXPECT_EQ(std::strlen(field.why) > 0, field.use == FieldUse::kNotNeeded);
-  }
-  EXPECT_EQ(listed, defined) << T::kType;
+  });
 }
 
 /// Whatever the readers of recordings and of DDS take from bytes stands in the tables.
 TEST(MessageFields, OfAllTypesThatAreRead) {
   namespace fs = std::filesystem;
-  const std::regex taken("(?:from_cdr|subscribe|definition_of)<ros::(\\w+)>");
+  const std::regex taken("(?:(?:from_cdr|subscribe|definition_of)<|serve<)ros::(\\w+)");
   std::set<std::string> types;
   for (const char* room : {"/adapters/formats/datasets", "/adapters/robots/dds"}) {
     for (const auto& entry : fs::directory_iterator(std::string(PROSPECT_SOURCE_DIR) + room)) {
@@ -206,11 +94,21 @@ TEST(MessageFields, OfAllTypesThatAreRead) {
   }
   EXPECT_TRUE(types.contains("Odometry") && types.contains("Image")) << "the search finds them";
   types.erase("Header");  // in the others
+  // Of services and actions.
+  for (const auto& [name, full] : std::map<std::string, std::string>{
+           {"TriggerRequest", "std_srvs/srv/Trigger_Request"},
+           {"CancelGoalRequest", "action_msgs/srv/CancelGoal_Request"},
+           {"NavigateToPoseSendGoalRequest", "nav2_msgs/action/NavigateToPose_SendGoal_Request"},
+           {"NavigateToPoseGetResultRequest",
+            "nav2_msgs/action/NavigateToPose_GetResult_Request"}}) {
+    EXPECT_EQ(types.erase(name), 1u) << name;
+    EXPECT_FALSE(fields_of(full.c_str()).empty()) << full;
+  }
   for (const std::string& type : types) {
     bool known = false;
-    for (const char* package :
-         {"sensor_msgs", "geometry_msgs", "nav_msgs", "tf2_msgs", "std_msgs", "rosgraph_msgs"}) {
-      known = known || !fields_of((std::string(package) + "/msg/" + type).c_str()).empty();
+    for (const char* package : {"sensor_msgs/msg/", "geometry_msgs/msg/", "nav_msgs/msg/",
+                                "tf2_msgs/msg/", "std_msgs/msg/", "rosgraph_msgs/msg/"}) {
+      known = known || !fields_of((package + type).c_str()).empty();
     }
     EXPECT_TRUE(known) << type;
   }

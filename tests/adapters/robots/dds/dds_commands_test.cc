@@ -49,7 +49,9 @@ class Person {
   }
   void say(const std::string& word) { node_.publish(told_, ros::String{word}); }
   void hold(std::int64_t number) {
-    node_.publish(asks_, ServiceCall<ros::TriggerRequest>{42, number, {}});
+    // Whatever its one byte says.
+    node_.publish(
+        asks_, ServiceCall<ros::TriggerRequest>{42, number, {static_cast<std::uint8_t>(number)}});
   }
   /// `child` is at (1, 2) in `parent`, and turned to the left by a right angle.
   void mount(const std::string& parent, const std::string& child) {

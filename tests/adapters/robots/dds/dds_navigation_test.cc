@@ -2,17 +2,21 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <map>
 #include <mutex>
 #include <optional>
+#include <sstream>
 #include <string>
 #include <vector>
 
 #include "adapters/formats/ros/nav2_msgs.h"
+#include "adapters/formats/ros/tf2_msgs.h"
 #include "adapters/robots/dds/dds_service.h"
 #include "engine/maps/belief.h"
 #include "runtime/mission.h"
 #include "tests/adapters/dds_pair.h"
+#include "tests/adapters/formats/altered_message.h"
 
 namespace prospect::dds_navigation_test {
 namespace {
@@ -132,8 +136,9 @@ class Client {
 
 class DdsNavigationTest : public ::testing::Test {
  protected:
-  DdsNavigationTest()
-      : node_(test::dds_test_address("prospect")),
+  explicit DdsNavigationTest(const DdsOptions& options = {})
+      : options_(options),
+        node_(test::dds_test_address("prospect")),
         transforms_(node_),
         base_(options_, node_, transforms_, clock_),
         navigation_(options_, node_, transforms_, base_, clock_, requests_) {
@@ -227,6 +232,102 @@ TEST_F(DdsNavigationTest, AGoalCanBeCancelled) {
   navigation_.on_belief(Belief());
   EXPECT_TRUE(comes(client, 1, Status::kCanceled));
   EXPECT_FALSE(requests_.told_to_drive());
+}
+
+/// Times are those of a simulation, so that a nanosecond counts.
+class DdsNavigationFields : public DdsNavigationTest {
+ protected:
+  static DdsOptions in_simulated_time() {
+    DdsOptions o;
+    o.use_sim_time = true;
+    return o;
+  }
+  DdsNavigationFields() : DdsNavigationTest(in_simulated_time()) {}
+
+  /// A goal of its own number, but for the first byte; true: it is taken.
+  bool send(Client& client, ros::NavigateToPoseSendGoalRequest request) {
+    request.goal_id.uuid.back() = ++number_;
+    id_ = request.goal_id;
+    const auto answer = Client::answered(client.send_, request);
+    stamp_ = answer.stamp;
+    return answer.accepted;
+  }
+  static std::string text_of(const ros::CancelGoalResponse& response) {
+    std::string text = "code " + std::to_string(response.return_code);
+    for (const ros::GoalInfo& goal : response.goals_canceling) {
+      text += " " + std::to_string(goal.goal_id.uuid.front());
+    }
+    return text;
+  }
+
+  std::uint8_t number_ = 0;
+  ros::Uuid id_;
+  ros::Time stamp_;
+};
+
+TEST_F(DdsNavigationFields, AreWhatTheTablesSay) {
+  Client client(options_.action);
+  // A frame that is turned and tilted, known at one time.
+  DdsNode other(test::dds_test_address("tf"));
+  const int tf = other.advertise<ros::TFMessage>("/tf", kTransformQos);
+  other.start();
+  ros::TransformStamped tilted;
+  tilted.header = {{5, 0}, "map"};
+  tilted.child_frame_id = "tilted";
+  tilted.transform.translation = {1.0, 2.0, 0.0};
+  tilted.transform.rotation = {0.1, 0.3, 0.2, std::sqrt(1.0 - 0.14)};
+  EXPECT_TRUE(within(
+      kPatience, [&] { return transforms_.find("map", "tilted", 5.0).has_value(); },
+      [&] { other.publish(tf, ros::TFMessage{{tilted}}); }));
+
+  auto goal = Client::goal(3, "tilted");
+  goal.goal.pose.header.stamp = {5, 0};
+  goal.goal.pose.pose.position = {1.0, 2.0, 3.0};
+  goal.goal.pose.pose.orientation = {0.0, 0.0, 0.6, 0.8};
+  auto turned = goal;
+  turned.goal.pose.pose.orientation = {0.1, 0.1, 0.7, 0.7};
+  test::expect_fields_of<ros::NavigateToPoseSendGoalRequest>(
+      {goal, turned}, [&](const auto& request) -> std::string {
+        if (!send(client, request)) return "refused";
+        const std::optional<DriveRequests::Place> place = requests_.take_place();
+        if (!place) return "refused: no place";
+        requests_.tell({place->number, DetourState::kOnTheWay, ""});
+        const auto cancelled = Client::answered(client.cancel_, ros::CancelGoalRequest{{id_, {}}});
+        std::ostringstream text;
+        text.precision(17);
+        text << place->position.transpose() << ' ' << place->yaw.value_or(-9.0) << ' '
+             << text_of(cancelled);
+        return text.str();
+      });
+
+  ASSERT_TRUE(send(client, Client::goal(1, "map")));
+  const ros::Uuid known = id_;
+  ASSERT_TRUE(send(client, Client::goal(2, "map")));  // which ends the first
+  test::expect_fields_of<ros::NavigateToPoseGetResultRequest>({{known}}, [&](const auto& request) {
+    return std::to_string(Client::answered(client.result_, request).status);
+  });
+
+  // By its number, or by a time just before it.
+  ros::CancelGoalRequest by_number, by_time;
+  by_number.goal_info.goal_id.uuid.front() = 7;
+  by_time.goal_info.stamp = {1, 50};
+  test::expect_fields_of<ros::CancelGoalRequest>(
+      {by_number, by_time}, [&](const ros::CancelGoalRequest& asked) {
+        do {
+          EXPECT_TRUE(send(client, Client::goal(7, "map")));
+        } while (stamp_.nanosec < 100);
+        // Seconds, nanoseconds and the number as asked, from those of the goal on.
+        ros::CancelGoalRequest request = asked;
+        if (asked.goal_info.stamp.sec > 0) {
+          request.goal_info.stamp.sec += stamp_.sec - 1;
+          request.goal_info.stamp.nanosec += stamp_.nanosec - 100;
+        }
+        if (asked.goal_info.goal_id.uuid.front() != 0) {
+          request.goal_info.goal_id.uuid.back() = id_.uuid.back();
+        }
+        return text_of(Client::answered(client.cancel_, request));
+      });
+  other.stop();
 }
 
 }  // namespace
