@@ -51,10 +51,10 @@ class DdsMotors {
   int stops_ = 0;
 };
 
-/// A simulated robot behind topics of ROS 2 that has wheels, a lidar of one plane and somebody who
-/// localizes it, and no camera. W of the world is frames.map; odom begins where the robot does.
-/// Scans come at 10 Hz, odometry at 50 Hz; the localization tells map -> odom at 10 Hz, as AMCL
-/// does stamped ahead, or the topic of poses at 25 Hz.
+/// A simulated robot behind topics of ROS 2 that has wheels, unless topics.odometry is empty, a
+/// lidar of one plane and somebody who localizes it, and no camera. W of the world is frames.map;
+/// odom begins where the robot does. Scans come at 10 Hz, odometry at 50 Hz; the localization tells
+/// map -> odom at 10 Hz, as AMCL does stamped ahead, or the topic of poses at 25 Hz.
 class DdsLidarRobot {
  public:
   /// The robot's depth sensor is the lidar, at the place of its mount.
@@ -66,7 +66,9 @@ class DdsLidarRobot {
         lidar_(world, rays_of(robot), robot.depth_mount, 1),
         motors_(topics.command.dead_man),
         node_(address) {
-    odometry_ = node_.advertise<ros::Odometry>(topics.odometry, kReliableQos);
+    if (!topics.odometry.empty()) {
+      odometry_ = node_.advertise<ros::Odometry>(topics.odometry, kReliableQos);
+    }
     scan_ = node_.advertise<ros::LaserScan>(topics.scan, kSensorQos);
     tf_ = node_.advertise<ros::TFMessage>(topics.tf, kTransformQos);
     static_ = node_.advertise<ros::TFMessage>(topics.tf_static, kStaticTransformQos);
@@ -121,7 +123,6 @@ class DdsLidarRobot {
   }
 
   void run(const std::stop_token& stop) {
-    const auto& frames = topics_.frames;
     double before = clock_.now();
     Pose odom;
     for (int n = 0; !stop.stop_requested(); ++n) {
@@ -131,20 +132,25 @@ class DdsLidarRobot {
       const Twist twist = body_.move(command, now - before) ? command : Twist();
       odom = advance(odom, twist, now - before);
       before = now;
-      ros::Odometry m;
-      m.header = {ros::time_of(now), frames.odom};
-      m.child_frame_id = frames.base;
-      m.pose.pose.position = {odom.position.x(), odom.position.y(), 0.0};
-      m.pose.pose.orientation = {0.0, 0.0, std::sin(0.5 * odom.yaw), std::cos(0.5 * odom.yaw)};
-      m.twist.twist.linear.x = twist.linear.x();
-      m.twist.twist.angular.z = twist.yaw_rate;
-      node_.publish(odometry_, m);
-      node_.publish(tf_, ros::TFMessage{{transform(now, frames.odom, frames.base, odom.position.x(),
-                                                   odom.position.y(), 0.0, odom.yaw)}});
+      if (odometry_ >= 0) tell_odometry(now, odom, twist);
       if (n % 5 == 0) localize(now);
       if (n % 2 == 0) tell_pose(now);
       if (n % 5 == 0) scan(now);
     }
+  }
+
+  void tell_odometry(double now, const Pose& odom, const Twist& twist) {
+    const auto& frames = topics_.frames;
+    ros::Odometry m;
+    m.header = {ros::time_of(now), frames.odom};
+    m.child_frame_id = frames.base;
+    m.pose.pose.position = {odom.position.x(), odom.position.y(), 0.0};
+    m.pose.pose.orientation = {0.0, 0.0, std::sin(0.5 * odom.yaw), std::cos(0.5 * odom.yaw)};
+    m.twist.twist.linear.x = twist.linear.x();
+    m.twist.twist.angular.z = twist.yaw_rate;
+    node_.publish(odometry_, m);
+    node_.publish(tf_, ros::TFMessage{{transform(now, frames.odom, frames.base, odom.position.x(),
+                                                 odom.position.y(), 0.0, odom.yaw)}});
   }
 
   void localize(double now) {

@@ -18,17 +18,19 @@
 #include "adapters/robots/dds/dds_links.h"
 #include "models/sinc.h"
 #include "runtime/clock_offset.h"
+#include "runtime/pose_velocity.h"
 
 namespace prospect {
 
 struct DdsBase::Impl {
   Impl(const DdsOptions& given, DdsNode& its_node, const DdsTransforms& its_transforms,
-       const Clock& its_clock)
+       const Clock& its_clock, const PoseJumpOptions& jump)
       : options(given),
         node(its_node),
         transforms(its_transforms),
         clock(its_clock),
-        links(dds_links(given), its_node) {}
+        links(dds_links(given), its_node),
+        by_poses(jump) {}
 
   /// What the transforms that are published rest on is the pose in frames.odom.
   void check_parent(const std::string& parent) const {
@@ -97,6 +99,14 @@ struct DdsBase::Impl {
     }
   }
 
+  void add_pose(double stamp, const Eigen::Isometry3d& T_WB) {
+    const std::lock_guard lock(mutex);
+    if (!by_poses.add(stamp, T_WB) || !by_poses.velocity()) return;
+    heard = clock.now();
+    if (!options.use_sim_time) offset.add(stamp, *heard);
+    velocity = *by_poses.velocity();
+  }
+
   /// The newest pose, and the arc that was driven since then.
   Eigen::Isometry3d moved(const WheelSample& sample) const {
     if (poses.empty()) return Eigen::Isometry3d::Identity();
@@ -143,6 +153,7 @@ struct DdsBase::Impl {
   mutable std::mutex mutex;
   ClockOffset offset;
   std::optional<double> heard;
+  PoseVelocity by_poses;
   Twist velocity;
   std::vector<WheelSample> wheels;
   std::deque<std::pair<double, Eigen::Isometry3d>> poses;  // by the robot's stamps
@@ -150,8 +161,8 @@ struct DdsBase::Impl {
 };
 
 DdsBase::DdsBase(const DdsOptions& options, DdsNode& node, const DdsTransforms& transforms,
-                 const Clock& clock, DriveRequests* requests)
-    : impl_(std::make_shared<Impl>(options, node, transforms, clock)) {
+                 const Clock& clock, DriveRequests* requests, const PoseJumpOptions& jump)
+    : impl_(std::make_shared<Impl>(options, node, transforms, clock, jump)) {
   const auto impl = impl_;
   const std::string& type = options.odometry_type;
   const std::vector<ros::MessageDefinition> definition =
@@ -159,10 +170,12 @@ DdsBase::DdsBase(const DdsOptions& options, DdsNode& node, const DdsTransforms& 
       : type == ros::TwistWithCovarianceStamped::kType
           ? ros::definition_of<ros::TwistWithCovarianceStamped>()
           : ros::definition_of<ros::Odometry>();
-  node.subscribe(options.odometry, definition, DdsQos{false, false, 50},
-                 [impl](std::string_view cdr, const std::string& name, std::uint64_t publisher) {
-                   impl->add(cdr, name, publisher);
-                 });
+  if (!options.odometry.empty()) {
+    node.subscribe(options.odometry, definition, DdsQos{false, false, 50},
+                   [impl](std::string_view cdr, const std::string& name, std::uint64_t publisher) {
+                     impl->add(cdr, name, publisher);
+                   });
+  }
   if (!options.emergency_stop.empty()) {
     const EmergencyStopContract& contract = options.emergency_stop_contract;
     impl->emergency_stop.emplace(options.emergency_stop, contract);
@@ -244,7 +257,8 @@ BaseReport DdsBase::report() noexcept {
     report.stamp = impl_->heard.value_or(0.0);
     report.velocity = impl_->velocity;
     report.wheels = std::exchange(impl_->wheels, {});
-    if (impl_->heard && impl_->clock.now() - *impl_->heard > kOdometrySilence) {
+    if (impl_->heard && !o.odometry.empty() &&
+        impl_->clock.now() - *impl_->heard > kOdometrySilence) {
       report.faults.push_back(o.odometry + ": odometry is silent");
     }
   } catch (...) {
@@ -256,6 +270,10 @@ BaseReport DdsBase::report() noexcept {
 
 const EmergencyStopInput* DdsBase::emergency_stop() const {
   return impl_->emergency_stop ? &*impl_->emergency_stop : nullptr;
+}
+
+void DdsBase::add_pose(double stamp, const Eigen::Isometry3d& T_WB) {
+  if (impl_->options.odometry.empty()) impl_->add_pose(stamp, T_WB);
 }
 
 ros::Time DdsBase::ros_time(double time) const { return impl_->stamp(time); }

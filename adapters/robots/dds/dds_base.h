@@ -13,6 +13,7 @@
 #include "runtime/clock.h"
 #include "runtime/drive_requests.h"
 #include "runtime/emergency_stop.h"
+#include "runtime/pose_jump.h"
 
 namespace prospect {
 
@@ -30,10 +31,10 @@ namespace prospect {
 /// stands while odometry has come and somebody subscribes to commands. Faults: odometry that is
 /// silent for half a second, a camera that moves (DdsTransforms::moved()), and what else is not as
 /// the contracts of the links say (dds_links.h). Of several publishers of odometry the first counts
-/// until it has gone.
+/// until it has gone. Where there is no odometry, poses say how fast it is (PoseVelocity).
 ///
 /// Clocks: the offset between the robot's clock and the runtime's is estimated from the odometry's
-/// stamps (ClockOffset); with use_sim_time both are one.
+/// stamps, or the poses' (ClockOffset); with use_sim_time both are one.
 ///
 /// Who acknowledges a stop by topic (DdsOptions::acknowledge) asks so of `requests`; null: nobody.
 ///
@@ -42,7 +43,7 @@ namespace prospect {
 class DdsBase final : public Base {
  public:
   DdsBase(const DdsOptions& options, DdsNode& node, const DdsTransforms& transforms,
-          const Clock& clock, DriveRequests* requests = nullptr);
+          const Clock& clock, DriveRequests* requests = nullptr, const PoseJumpOptions& jump = {});
   ~DdsBase() override;
 
   std::string name() const noexcept override;
@@ -52,6 +53,8 @@ class DdsBase final : public Base {
   void stop() noexcept override;
   BaseReport report() noexcept override;
 
+  /// A pose that the robot is told: where there is no odometry, its newest word.
+  void add_pose(double stamp, const Eigen::Isometry3d& T_WB);
   /// What is published on the topic of the emergency stop; null: there is no such topic.
   const EmergencyStopInput* emergency_stop() const;
   /// `time` [s] of the runtime's clock as a stamp of the robot's. Before the offset has settled,

@@ -30,11 +30,15 @@ inline std::string ros_type(const std::string& dds) {
 }
 
 /// Why ROS 2 does not take a name of a topic; empty: it does. "/a/b_1": begins with a slash, each
-/// part with a letter or an underscore.
+/// part with a letter or an underscore, at most 247 characters in all.
 inline std::string topic_problem(const std::string& topic) {
   const std::string expected = "; expected a name of ROS 2 such as /left/image_raw";
   if (topic.size() < 2 || topic[0] != '/' || topic.back() == '/')
     return "'" + topic + "'" + expected;
+  constexpr std::size_t kLongest = 247;
+  if (topic.size() > kLongest) {
+    return std::to_string(topic.size()) + " characters; expected at most 247";
+  }
   for (std::size_t i = 1; i < topic.size(); ++i) {
     const char c = topic[i];
     const bool letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';

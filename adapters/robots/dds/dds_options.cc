@@ -101,13 +101,48 @@ void read_people(YamlMap root, TopicReader& topics, DdsOptions& o) {
 
 std::string read_frame(YamlMap map, const std::string& key, const std::string& default_value,
                        const std::string& what) {
-  return without_slash(map.text(key, default_value, what));
+  std::string name = without_slash(map.text(key, default_value, what));
+  if (name.empty()) map.problem(key, "it is empty; expected the name of a frame");
+  return name;
+}
+
+/// Frames that are another thing by another name.
+void check_frames(YamlMap frames, const DdsOptions& o) {
+  const auto& f = o.frames;
+  for (const auto& [key, name] : {std::pair("map", f.map), std::pair("odom", f.odom)}) {
+    if (name != f.base || name.empty()) continue;
+    frames.problem(frames.has(key) ? key : "base",
+                   "'" + name + "' is frames." + key + " and frames.base; expected two frames");
+  }
+  if (f.map == f.odom && (o.output.transforms || o.output.odom_transform)) {
+    frames.problem(frames.has("odom") ? "odom" : "map",
+                   "'" + f.map +
+                       "' is frames.map and frames.odom, between which a transform is "
+                       "published (output); expected two frames");
+  }
 }
 
 std::optional<double> limit(YamlMap map, const char* key, const char* unit, const char* what) {
   const double value = map.number(key, 0.0, 1e-3, 100.0, unit, what);
   if (map.has(key)) return value;
   return std::nullopt;
+}
+
+void read_odometry(YamlMap root, TopicReader& topics, DdsOptions& o) {
+  using Empty = TopicReader::Empty;
+  o.odometry = topics.read(root, "odometry", o.odometry, "wheel motion",
+                           o.is_told_its_pose() ? Empty::kAllowed : Empty::kRefused);
+  const std::string type =
+      root.choice("odometry_type", "Odometry",
+                  {"Odometry", "TwistStamped", "TwistWithCovarianceStamped"}, "of the topic");
+  o.odometry_type = (type == "Odometry" ? "nav_msgs/msg/" : "geometry_msgs/msg/") + type;
+  o.odometry_by_tf = root.choice("odometry_frame", o.odometry_by_tf ? "tf" : "base", {"base", "tf"},
+                                 "its frame: frames.base, or what tf fixes to it") == "tf";
+  for (const char* key : {"odometry_type", "odometry_frame"}) {
+    if (o.odometry.empty() && root.has(key)) {
+      root.problem(key, "there is no odometry; expected its topic, too");
+    }
+  }
 }
 
 /// Who says where the robot is.
@@ -220,13 +255,7 @@ DdsOptions read_dds_options(const std::string& path, const RosArguments& argumen
   }
   o.mounts_from_tf = root.choice("mounts", o.mounts_from_tf ? "tf" : "robot", {"robot", "tf"},
                                  "where cameras are: the robot's description, or tf") == "tf";
-  o.odometry = topics.read(root, "odometry", o.odometry, "wheel motion", Empty::kRefused);
-  const std::string type =
-      root.choice("odometry_type", "Odometry",
-                  {"Odometry", "TwistStamped", "TwistWithCovarianceStamped"}, "of the topic");
-  o.odometry_type = (type == "Odometry" ? "nav_msgs/msg/" : "geometry_msgs/msg/") + type;
-  o.odometry_by_tf = root.choice("odometry_frame", o.odometry_by_tf ? "tf" : "base", {"base", "tf"},
-                                 "its frame: frames.base, or what tf fixes to it") == "tf";
+  read_odometry(root, topics, o);
   o.emergency_stop =
       topics.read(root, "emergency_stop", "", "std_msgs/msg/Bool, true stops", Empty::kAllowed);
   EmergencyStopContract& contract = o.emergency_stop_contract;
@@ -294,12 +323,15 @@ DdsOptions read_dds_options(const std::string& path, const RosArguments& argumen
     const bool told = std::string(key) == "transforms" ? p.transforms : p.odom_transform;
     if (told && o.pose_source == DdsOptions::PoseSource::kTf) {
       output.problem(key, "the pose comes from tf (pose.from); expected that others tell it");
+    } else if (told && o.odometry.empty()) {
+      output.problem(key, "there is no odometry; expected false");
     }
   }
-  if (p.transforms && !o.tells_odometry_pose() && !p.odom_transform) {
+  if (p.transforms && !o.odometry.empty() && !o.tells_odometry_pose() && !p.odom_transform) {
     output.problem("transforms",
                    "odometry tells no pose; expected output.odom_transform: true, too");
   }
+  check_frames(frames, o);
   yaml.finish();
   if (const auto unused = rules.unused(); !unused.empty()) throw InputError(unused);
   return o;

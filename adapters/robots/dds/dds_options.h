@@ -67,10 +67,14 @@ struct DdsOptions {
   /// Cameras are where tf says, in frames.base; else where the robot's description says.
   bool mounts_from_tf = false;
 
-  std::string odometry = "/odom";  ///< its velocity; the pose only for transforms
+  /// Its velocity; the pose only for transforms. Empty: who is told its pose knows its velocity
+  /// from that.
+  std::string odometry = "/odom";
   /// nav_msgs/msg/Odometry; or a stamped twist, by which the pose in frames.odom adds up.
   std::string odometry_type = "nav_msgs/msg/Odometry";
-  bool tells_odometry_pose() const { return odometry_type == "nav_msgs/msg/Odometry"; }
+  bool tells_odometry_pose() const {
+    return !odometry.empty() && odometry_type == "nav_msgs/msg/Odometry";
+  }
   /// Its frame (child_frame_id; of a twist frame_id) may be one that tf knows to be fixed to
   /// frames.base; else it is that.
   bool odometry_by_tf = false;

@@ -38,8 +38,12 @@ Eigen::Matrix4d of_body(const Covariance6& told, const Eigen::Vector3d& arm) {
 
 struct DdsPose::Impl {
   Impl(const DdsOptions& given, const DdsNode& its_node, const DdsTransforms& its_transforms,
-       SensorInbox& its_inbox)
-      : options(given), node(its_node), transforms(its_transforms), inbox(its_inbox) {}
+       SensorInbox& its_inbox, DdsBase* its_base)
+      : options(given),
+        node(its_node),
+        transforms(its_transforms),
+        inbox(its_inbox),
+        base(its_base) {}
 
   void take(std::string_view cdr, const std::string& name) {
     const DdsOptions::PoseTopic& by = options.pose;
@@ -80,6 +84,7 @@ struct DdsPose::Impl {
     }
     pose.covariance = of_body(known, arm);
     inbox.observe(pose);
+    if (base) base->add_pose(stamp, T_WB);
     const std::lock_guard lock(mutex);
     first = first.value_or(body_pose(T_WB));
     came.notify_all();
@@ -102,14 +107,15 @@ struct DdsPose::Impl {
   const DdsNode& node;
   const DdsTransforms& transforms;
   SensorInbox& inbox;
+  DdsBase* const base;
   mutable std::mutex mutex;
   mutable std::condition_variable came;
   std::optional<Pose> first;
 };
 
 DdsPose::DdsPose(const DdsOptions& options, DdsNode& node, DdsTransforms& transforms,
-                 SensorInbox& inbox)
-    : impl_(std::make_shared<Impl>(options, node, transforms, inbox)) {
+                 SensorInbox& inbox, DdsBase* base)
+    : impl_(std::make_shared<Impl>(options, node, transforms, inbox, base)) {
   const auto impl = impl_;
   if (options.pose_source == DdsOptions::PoseSource::kTf) {
     transforms.follow(options.frames.map, options.frames.base,

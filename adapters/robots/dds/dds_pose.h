@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "adapters/robots/dds/dds_base.h"
 #include "adapters/robots/dds/dds_node.h"
 #include "adapters/robots/dds/dds_options.h"
 #include "adapters/robots/dds/dds_transforms.h"
@@ -11,7 +12,7 @@
 namespace prospect {
 
 /// Where a robot behind topics of ROS 2 is, as something else tells it: into a SensorInbox, with
-/// the stamps of its measurements.
+/// the stamps of its measurements, and to its base, if one is given.
 ///
 /// By tf: frames.base in frames.map, at the newest stamp that all between them is known at, each
 /// time that one comes. By a topic: poses in frames.map, of pose.frame; where that is not
@@ -20,11 +21,12 @@ namespace prospect {
 ///
 /// A message with another frame, without a stamp, or that is no pose is left out, and is a fault of
 /// its topic (DdsNode::fault()). Declares its topics on the node: make it before DdsNode::start().
-/// Inbox, transforms and node must outlive it, and inbox and transforms the node's thread.
+/// Inbox, transforms, base and node must outlive it, and the first three the node's thread.
 /// Thread-safety: any thread.
 class DdsPose {
  public:
-  DdsPose(const DdsOptions& options, DdsNode& node, DdsTransforms& transforms, SensorInbox& inbox);
+  DdsPose(const DdsOptions& options, DdsNode& node, DdsTransforms& transforms, SensorInbox& inbox,
+          DdsBase* base = nullptr);
   ~DdsPose();
 
   /// Waits for the first pose. Throws InputError, one line, if none comes within options.timeout.

@@ -34,12 +34,12 @@ struct DdsParts {
         inbox(clock, inbox_options(o)),
         node(o.topics.address),
         transforms(node, o.topics.tf, o.topics.tf_static),
-        base(o.topics, node, transforms, clock, o.requests),
+        base(o.topics, node, transforms, clock, o.requests, o.inbox.pose_jump),
         sensors(o.topics, node, transforms, inbox),
         publisher(o.topics, node, base, clock, o.robot.model, requests),
         commands(o.topics, node, transforms, requests),
         navigation(o.topics, node, transforms, base, clock, requests) {
-    if (o.topics.is_told_its_pose()) pose.emplace(o.topics, node, transforms, inbox);
+    if (o.topics.is_told_its_pose()) pose.emplace(o.topics, node, transforms, inbox, &base);
     node.start();
   }
   ~DdsParts() { node.stop(); }
@@ -71,8 +71,8 @@ Robot make_robot(const DdsRobotConfiguration& options) {
   robot.clock = {parts, &parts->clock};
   robot.base = {parts, &parts->base};
   robot.frames = {parts, &parts->inbox};
-  robot.streams = {cameras.depth ? SensorStream::kDepth : SensorStream::kScan,
-                   SensorStream::kWheels};
+  robot.streams = {cameras.depth ? SensorStream::kDepth : SensorStream::kScan};
+  if (!options.topics.odometry.empty()) robot.streams.push_back(SensorStream::kWheels);
   if (parts->pose) robot.streams.insert(robot.streams.begin(), SensorStream::kPose);
   if (cameras.stereo) robot.streams.insert(robot.streams.begin(), SensorStream::kPair);
   if (parts->pose) robot.start = parts->pose->wait();

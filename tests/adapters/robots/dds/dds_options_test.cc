@@ -114,6 +114,8 @@ TEST(DdsOptions, ARobotThatIsToldItsPoseNeedsNoCameras) {
   EXPECT_TRUE(topic.output.transforms);
   EXPECT_EQ(topic.output.map, "/map");
   EXPECT_EQ(read("frames: {base: b}\npose: {from: topic, topic: /p}\n" + rest).pose.frame, "b");
+  EXPECT_EQ(tf.odometry, "/odom");
+  EXPECT_EQ(read("pose: {from: tf}\nodometry: none\n" + rest).odometry, "") << "poses suffice";
   const DdsOptions camera = read("pose: {from: tf}\ncommand: {dead_man: 0.5}\n");
   EXPECT_EQ(camera.depth.image, DdsOptions().depth.image) << "a depth camera and a pose";
   EXPECT_TRUE(read(rest).has_stereo());
@@ -164,9 +166,24 @@ TEST(DdsOptions, NamesTheLineOfWhatIsWrong) {
        "expected one of: stereo, wheels, tf, topic"},
       {"command: {dead_man: 0.5}\npose: {from: tf}\noutput: {transforms: true}\n",
        "yaml:3: output.transforms: the pose comes from tf"},
+      {"command: {dead_man: 0.5}\nodometry: none\n", "yaml:2: odometry: it is none"},
+      {"command: {dead_man: 0.5}\npose: {from: wheels}\nodometry: none\n", "yaml:3: odometry: it"},
+      {"command: {dead_man: 0.5}\npose: {from: tf}\nodometry: none\nodometry_frame: tf\n",
+       "yaml:4: odometry_frame: there is no odometry"},
+      {"command: {dead_man: 0.5}\npose: {from: topic, topic: /p}\nodometry: none\n"
+       "output: {odom_transform: true}\n",
+       "yaml:4: output.odom_transform: there is no odometry"},
+      {"command: {dead_man: 0.5}\nframes: {base: \"\"}\n", "yaml:2: frames.base: it is empty"},
+      {"command: {dead_man: 0.5}\nframes: {map: /a, base: a}\n",
+       "yaml:2: frames.map: 'a' is frames.map and frames.base; expected two"},
+      {"command: {dead_man: 0.5}\nframes: {base: odom}\n",
+       "yaml:2: frames.base: 'odom' is frames."},
+      {"command: {dead_man: 0.5}\nframes: {odom: map}\n", "yaml:2: frames.odom: 'map' is frames."},
       {"command: {dead_man: 0.5, relay_age: never}\n", "expected one of: stamp, arrival"},
   };
   for (const Row& row : rows) EXPECT_THAT(refusal(row.text), HasSubstr(row.expected)) << row.text;
+  EXPECT_THAT(refusal("command: {dead_man: 0.5}\nodometry: /" + std::string(247, 'a') + "\n"),
+              HasSubstr("yaml:2: odometry: 248 characters; expected at most 247"));
 }
 
 TEST(DdsOptions, OfTheSamplePackageAreRead) {
