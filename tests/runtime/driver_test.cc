@@ -48,7 +48,10 @@ class TrueBeliefs final : public BeliefSource {
 /// Drives on straight ahead, from whatever velocity it is given; done after `steps` plans.
 class StraightOn final : public Replanner {
  public:
-  void prepare(const Belief&) override { ++prepared; }
+  void prepare(const Belief&) override {
+    ++prepared;
+    if (on_prepare) on_prepare(prepared);
+  }
   Plan plan(const Belief& belief) override {
     ++plans;
     EXPECT_EQ(prepared, plans);
@@ -90,7 +93,7 @@ class StraightOn final : public Replanner {
   int steps = 1000;
   std::atomic<TaskKind> task = TaskKind::kExplore;
   int plans_to_goal = 3;
-  std::function<void(int)> on_plan;
+  std::function<void(int)> on_prepare, on_plan;
   std::vector<double> starts;
   std::vector<Pose> predicted;
 };
@@ -376,6 +379,58 @@ TEST_F(DriverTest, FiveCallsAreAWholeRobot) {
   EXPECT_FALSE(driver.advance());
   EXPECT_EQ(driver.finish().end, MissionEnd::kExplored);
   EXPECT_FALSE(driver.events().since(0).events.empty());
+}
+
+/// What is waited for comes at once.
+class LeapingClock final : public Clock {
+ public:
+  double now() const noexcept override { return now_; }
+  bool wait_until(double time, const std::stop_token&) const noexcept override {
+    now_ = std::max(now_, time);
+    return true;
+  }
+  void take(double seconds) const { now_ += seconds; }
+
+ private:
+  mutable double now_ = 100.0;
+};
+
+// A plan is prepared and made as long before its start as that has taken so far, so that it is
+// there in time and rests on the newest belief, and one comes each period.
+TEST_F(DriverTest, PlansAreMadeJustBeforeTheyBegin) {
+  const LeapingClock clock;
+  options_.replan_period = 0.4;
+  constexpr double kPreparing = 0.06, kPlanning = 0.08;  // [s], at most
+  std::vector<double> prepared, begun;
+  planner_.on_prepare = [&](int n) {
+    prepared.push_back(clock.now());
+    clock.take(n % 3 == 1 ? kPreparing : 0.2 * kPreparing);
+  };
+  planner_.on_plan = [&](int n) {
+    begun.push_back(clock.now());
+    clock.take(n % 3 == 1 ? kPlanning : 0.2 * kPlanning);
+  };
+  DriverParts robot{.clock = clock, .guard = guard_, .model = model_, .dead_man = 0.5};
+  Driver driver = make(robot);
+  double before = clock.now();
+  EXPECT_TRUE(driver.advance()) << "nothing is known so far";
+  EXPECT_GT(clock.now(), before) << "it waits";
+  for (int n = 0; n < 12; ++n) {
+    auto belief = std::make_shared<Belief>(test::ObstacleWorld().belief());
+    belief->set_stamps(clock.now());
+    belief->localization = Localization::kOk;
+    driver.observe(belief);
+    EXPECT_TRUE(driver.advance());
+  }
+  ASSERT_EQ(planner_.starts.size(), 12u);
+  for (std::size_t k = 2; k < planner_.starts.size(); ++k) {
+    const double start = planner_.starts[k];
+    EXPECT_NEAR(start - planner_.starts[k - 1], options_.replan_period, 1e-9);
+    EXPECT_LE(begun[k] + kPlanning, start);
+    EXPECT_LE(prepared[k] + kPreparing, begun[k] + 1e-9);
+    EXPECT_GT(begun[k] + kPlanning + 0.1, start) << "not on an older belief than needed";
+    EXPECT_GT(prepared[k] + kPreparing + 0.1, begun[k]);
+  }
 }
 
 TEST_F(DriverTest, StopEndsAMissionThatNothingIsKnownOf) {

@@ -178,6 +178,22 @@ TEST_F(PreflightRun, OneLookAtTheFloorThatIsWrongDecidesNothing) {
     floor_ = [&] { return std::optional(look++ == 0 ? good : wrong); };
     EXPECT_EQ(check(make(), "camera height").verdict, Verdict::kFailed) << height;
   }
+  // Of frames of their own: what comes in between.
+  std::vector<double> looked;
+  std::vector<std::size_t> told;
+  floor_ = [&] {
+    looked.push_back(clock_.now());
+    told.push_back(base_.sent().size());
+    return std::optional(good);
+  };
+  make();
+  ASSERT_EQ(looked.size(), 3u);
+  for (std::size_t k = 1; k < looked.size(); ++k) {
+    EXPECT_GE(looked[k] - looked[k - 1], 0.2);
+    EXPECT_GT(told[k], told[k - 1]) << "it is told to stand";
+    EXPECT_LE(static_cast<double>(told[k] - told[k - 1]),
+              2.0 + (looked[k] - looked[k - 1]) / driver_.command.period);
+  }
   floor_ = [&, look = 0]() mutable { return look++ == 0 ? std::optional(good) : std::nullopt; };
   EXPECT_EQ(check(make(), "camera height").verdict, Verdict::kNotPossible);
   EXPECT_EQ(check(make(), "priority of commands").verdict, Verdict::kNotPossible);
