@@ -12,6 +12,7 @@
 #include <octomap/OcTree.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <cstdio>
 #include <memory>
@@ -144,7 +145,13 @@ int measure(int argc, char** argv) {
     world = "known rooms";
     const int unfinished =
         drive_known_rooms(configuration, *options.make_planner(configuration), known, steps);
-    std::printf("%g m known: the first plan after %d steps\n", known, unfinished);
+    double ms = 0.0;
+    for (std::size_t n = 0; n <= static_cast<std::size_t>(unfinished) && n < processor.size();
+         ++n) {
+      ms += prepared[n] + processor[n];
+    }
+    std::printf("%g m known: %d steps before the first plan, processor time with it %.0f ms\n",
+                known, unfinished, ms);
   } else {
     const auto loaded =
         std::make_shared<const World>(load_world(world, world_options_for(configuration)));

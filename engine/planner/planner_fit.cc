@@ -60,12 +60,16 @@ std::string variables_misfit(const RobotDescription& robot, const PlannerParamet
 }
 
 std::string views_misfit(const PlannerParameters& p) {
-  if (static_cast<double>(p.N) * p.max_landmarks <= kMostViews) return "";
+  const bool timed = p.deadline > 0.0;
+  const double most =
+      timed ? std::clamp(kMostViewsPerSecond * p.deadline, kLeastViews, kMostViews) : kMostViews;
+  if (static_cast<double>(p.N) * p.max_landmarks <= most) return "";
   return "planner.N is " + std::to_string(p.N) + " and planner.max_landmarks " +
          std::to_string(p.max_landmarks) + ": each evaluation looks at " +
          text(static_cast<double>(p.N) * p.max_landmarks) + " landmarks; expected at most " +
-         text(kMostViews) + ", a max_landmarks of at most " +
-         std::to_string(static_cast<int>(kMostViews / p.N));
+         text(most) +
+         (timed ? " with a planner.deadline of " + text(p.deadline) + " s" : std::string()) +
+         ", a max_landmarks of at most " + std::to_string(static_cast<int>(most / p.N));
 }
 
 std::string motion_misfit(const RobotDescription& robot, const PlannerParameters& p) {

@@ -12,6 +12,10 @@ struct PlannerParameters;
 inline constexpr int kMostVariables = 200;
 /// Landmarks that an evaluation of the problem looks at, at each stage.
 inline constexpr double kMostViews = 2e6;
+/// With a deadline, for each second of it: a step without time for more evaluates a few times.
+inline constexpr double kMostViewsPerSecond = 1e7;
+/// These, three times the default, whatever the deadline.
+inline constexpr double kLeastViews = 2e4;
 /// Voxels of half a side of the window of the cost-to-go.
 inline constexpr int kMostWindow = 1000;
 
@@ -30,7 +34,8 @@ double clearance_cutoff(const RobotDescription& robot, const PlannerParameters& 
 ///               1 mm/s, which counts as rest
 ///   variables   M nu: at most kMostVariables. The time of a back end that uses second derivatives
 ///               grows with their cube
-///   looks       N max_landmarks: at most kMostViews. The time of each evaluation grows with it
+///   looks       N max_landmarks: at most kMostViews, and with a deadline kMostViewsPerSecond times
+///               that, but kLeastViews. The time of each evaluation grows with it
 ///
 /// How far the robot can get within the horizon needs no limit: what a step keeps is bounded by
 /// what is known of the world (clearance_field.h, occlusion_table.h).

@@ -91,8 +91,11 @@ std::string configuration_reference() {
       "| `planner.M`, `robot.model` | knots times inputs: at most " +
       std::to_string(kMostVariables) +
       " variables |\n"
-      "| `planner.N`, `planner.max_landmarks` | their product: at most " +
-      std::to_string(static_cast<int>(kMostViews)) +
+      "| `planner.N`, `planner.max_landmarks`, `planner.deadline` | N times max_landmarks: at "
+      "most " +
+      std::to_string(static_cast<int>(kMostViews)) + ", with a deadline also " +
+      std::to_string(static_cast<int>(kMostViewsPerSecond)) + " for each second, or " +
+      std::to_string(static_cast<int>(kLeastViews)) +
       " |\n\n"
       "How far the robot can get, `v_max` N dt and its braking distance, needs no limit: memory "
       "follows what is known of the world.\n\n"

@@ -115,6 +115,16 @@ TEST(PlannerFit, SaysTheNumbersAndWhatWouldFit) {
             "landmarks; expected at most 2e+06, a max_landmarks of at most 2000");
   p.max_landmarks = 2000;
   EXPECT_EQ(planner_misfit(robot_of("unicycle"), p, 0.1), "");
+  p.deadline = 0.05;
+  EXPECT_EQ(planner_misfit(robot_of("unicycle"), p, 0.1),
+            "planner.N is 1000 and planner.max_landmarks 2000: each evaluation looks at 2e+06 "
+            "landmarks; expected at most 5e+05 with a planner.deadline of 0.05 s, a max_landmarks "
+            "of at most 500");
+  p.max_landmarks = 500;
+  EXPECT_EQ(planner_misfit(robot_of("unicycle"), p, 0.1), "");
+  p = {};
+  p.deadline = 1e-6;
+  EXPECT_EQ(planner_misfit(robot_of("unicycle"), p, 0.1), "") << "the default always fits";
 
   Unicycle::Parameters slow;
   slow.a_max = 1e-6;

@@ -18,6 +18,7 @@
 #include "engine/maps/map_projection.h"
 #include "engine/planner/frontier_planner_options.h"
 #include "engine/planner/planner.h"
+#include "engine/planner/planner_fit.h"
 #include "engine/planner/step_landmarks.h"
 #include "engine/support/resumable.h"
 #include "engine/support/stopwatch.h"
@@ -48,10 +49,9 @@ class StepDeadline : public ::testing::Test {
     belief_.command = Twist();
     belief_.tracked_features = 80;
   }
-  void begin(double deadline, const char* model = "unicycle") {
+  void begin(double deadline, const char* model = "unicycle", PlannerParameters parameters = {}) {
     RobotDescription robot;
     robot.model = make_model(model);
-    PlannerParameters parameters;
     parameters.deadline = deadline;
     planner_ = std::make_unique<Planner>(robot, parameters, std::make_shared<test::IdleSolver>());
   }
@@ -234,6 +234,20 @@ TEST_F(StepDeadline, OfHostileMaps) {
     for (int n = 0; n < 20; ++n) EXPECT_NE(step().fault, PlanFault::kError) << plans_.back().detail;
     expect_in_time(row.deadline);
   }
+}
+
+// Of 4 times as many looks each evaluation takes longer than all of the step may.
+TEST_F(StepDeadline, OfTheLargestProblemThatIsAllowed) {
+  constexpr double kDeadline = 0.05;
+  PlannerParameters parameters;
+  parameters.N = 250;
+  parameters.max_landmarks = static_cast<int>(kMostViewsPerSecond * kDeadline) / parameters.N;
+  begin(kDeadline, "unicycle", parameters);
+  give_rooms(belief_, 30.0);
+  belief_.landmarks = landmarks_about(5000);
+  begin_to_drive(1000);
+  for (int n = 0; n < 10; ++n) EXPECT_EQ(step().fault, PlanFault::kNone);
+  expect_in_time(kDeadline);
 }
 
 /// The share of its processor time that the longest piece of it takes, of two runs the less.
