@@ -14,4 +14,11 @@ inline Eigen::Isometry3d body_transform(const Pose& pose) {
   return T_WB;
 }
 
+/// Whether T is a rotation, to 1e-3, and a translation, both finite.
+inline bool is_pose(const Eigen::Isometry3d& T) {
+  const Eigen::Matrix3d R = T.linear();
+  return T.matrix().allFinite() &&
+         (R * R.transpose() - Eigen::Matrix3d::Identity()).norm() < 1e-3 && R.determinant() > 0.0;
+}
+
 }  // namespace prospect

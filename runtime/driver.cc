@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/maps/correction.h"
 #include "models/knobs.h"
 #include "models/limited_twist.h"
 #include "runtime/mission_progress.h"
@@ -149,6 +150,9 @@ struct Driver::Impl {
   std::atomic<int> guard_stops{0};   // since the last planning step
   std::atomic<GuardReason> guard_reason{GuardReason::kPassed};
 
+  // Of the thread that perceives.
+  int corrected = 0, not_corrected = 0;
+
   // Of the thread that plans.
   MissionProgress progress;
   PlanningLatency latency, preparation;
@@ -194,6 +198,8 @@ struct Driver::Impl {
 
   double now() const { return parts.clock.now(); }
   bool is_cancelled() const { return cancelled || (mission.cancelled && mission.cancelled()); }
+  /// Corrections of the map since the belief before; null: there are none.
+  void note_corrections(const MapFrame* frame);
   /// A planning step; false: the mission is over.
   bool plan_next(const std::stop_token& stop);
   /// Waits, going on with what the deadline left unfinished. False: it is to stop.
@@ -210,9 +216,21 @@ void Driver::observe(std::shared_ptr<const Belief> newest, const CameraPicture& 
   Impl& s = *impl_;
   s.supervisor.beat(kPerception, s.now());
   if (!newest) return;
+  s.note_corrections(newest->map_frame.get());
   if (picture.image) tell(s.mission.observers, &MissionObserver::on_picture, picture);
   tell(s.mission.observers, &MissionObserver::on_belief, *newest);
   s.belief.set(std::move(newest));
+}
+
+void Driver::Impl::note_corrections(const MapFrame* frame) {
+  if (frame == nullptr) return;
+  const int refused = frame->refused + frame->cannot_follow;
+  if (std::exchange(corrected, frame->taken) < frame->taken && frame->newest) {
+    events.add(now(), Severity::kInfo, "map", "correction", to_text(*frame->newest));
+  }
+  if (std::exchange(not_corrected, refused) < refused) {
+    events.add(now(), Severity::kWarning, "map", "correction refused", frame->refusal);
+  }
 }
 
 bool Driver::advance(const std::stop_token& stop) {

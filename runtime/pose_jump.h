@@ -2,6 +2,7 @@
 
 #include <deque>
 #include <limits>
+#include <optional>
 #include <string>
 
 #include "perception/pipeline/perception_pipeline.h"
@@ -29,23 +30,29 @@ void describe(Knobs& knobs, PoseJumpOptions& options);
 /// in the plane. So a correction that is spread over several poses is one, too. The next poses are
 /// compared with it and those after it alone.
 ///
+/// Where both tell where odometry alone has the robot (ExternalPose::T_OB), and that has not jumped
+/// so, the map was corrected: that is no jump, and counted in ExternalPose::corrections.
+///
 /// Thread-safety: one thread. Never throws; a pose that is not finite is not compared.
 class PoseJumpWatch {
  public:
   explicit PoseJumpWatch(const PoseJumpOptions& options) : options_(options) {}
 
-  /// Sets pose.jumps. Stamps are of one clock. Returns "by 0.83 m and 0.02 rad in 0.10 s"; empty:
-  /// it has not jumped.
+  /// Sets pose.jumps and pose.corrections. Stamps are of one clock. Returns "by 0.83 m and 0.02 rad
+  /// in 0.10 s"; empty: it has not jumped.
   std::string add(ExternalPose& pose);
 
  private:
   struct Seen {
     double stamp = 0.0;
     Pose pose;
+    std::optional<Pose> by_odometry;
   };
+  bool apart(const Pose& a, const Pose& b, double dt) const;
   PoseJumpOptions options_;
   std::deque<Seen> seen_;
   PoseJumps jumps_;
+  int corrections_ = 0;
 };
 
 }  // namespace prospect

@@ -30,6 +30,8 @@ InputResult feed(PerceptionPipeline& perception, const SensorFrame& frame) {
           return perception.scan(f.stamp, *f.in_B);
         } else if constexpr (std::is_same_v<Frame, ExternalPose>) {
           return perception.external_pose(f);
+        } else if constexpr (std::is_same_v<Frame, Correction>) {
+          return perception.correct(f);
         } else {
           return {InputState::kRefused, "an estimate; expected images"};
         }

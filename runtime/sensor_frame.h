@@ -36,9 +36,9 @@ struct ScanFrame {
 };
 
 /// What a robot's sensors deliver: one input of perception. A pose is one that something else has
-/// measured: a localization, motion capture.
-using SensorFrame =
-    std::variant<StereoFrame, WheelSample, DepthFrame, ScanFrame, EstimateFrame, ExternalPose>;
+/// measured: a localization, motion capture. A correction is of who keeps the map.
+using SensorFrame = std::variant<StereoFrame, WheelSample, DepthFrame, ScanFrame, EstimateFrame,
+                                 ExternalPose, Correction>;
 /// Of the left image of a pair.
 double stamp_of(const SensorFrame& frame);
 /// Hands it to perception; the result is perception's, which refuses an estimate.

@@ -323,8 +323,23 @@ void SensorInbox::add(ExternalPose pose) {
   came_.notify_one();
 }
 
+void SensorInbox::add(Correction correction) {
+  {
+    const std::lock_guard lock(mutex_);
+    correction.stamp = clock_.now();
+    if (corrections_.size() >= static_cast<std::size_t>(options_.capacity)) corrections_.pop_back();
+    corrections_.push_back(std::move(correction));
+  }
+  came_.notify_one();
+}
+
 std::optional<SensorFrame> SensorInbox::take() {
   const std::lock_guard lock(mutex_);
+  if (!corrections_.empty()) {
+    SensorFrame correction = std::move(corrections_.front());
+    corrections_.pop_front();
+    return correction;
+  }
   while (true) {
     Stream* from = nullptr;
     std::deque<SensorFrame>::iterator oldest;
@@ -354,8 +369,8 @@ std::optional<SensorFrame> SensorInbox::take() {
 bool SensorInbox::wait(double seconds, const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
   const auto any = [&] {
-    return std::any_of(streams_.begin(), streams_.end(),
-                       [](const Stream& s) { return !s.frames.empty(); });
+    return !corrections_.empty() || std::any_of(streams_.begin(), streams_.end(),
+                                                [](const Stream& s) { return !s.frames.empty(); });
   };
   return came_.wait_for(lock, stop, std::chrono::duration<double>(std::clamp(seconds, 0.0, 1e6)),
                         any);

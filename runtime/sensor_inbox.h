@@ -125,6 +125,8 @@ class SensorInbox final : public FrameSink {
   SensorInbox(const Clock& clock, const SensorInboxOptions& options);
 
   /// A pair, wheel motion, ranges, a pose, or an estimate, which counts as both images of its pair.
+  /// A correction is of the time at which it comes, and of no stream; beyond the capacity it takes
+  /// the place of the newest.
   void observe(const SensorFrame& frame) override;
   void left(double stamp, CameraContent content);
   void right(double stamp, CameraContent content);
@@ -174,6 +176,7 @@ class SensorInbox final : public FrameSink {
   void add(DepthFrame frame);
   void add(ScanFrame frame);
   void add(ExternalPose pose);
+  void add(Correction correction);
   static void drop(StreamCount& count, std::uint64_t StreamCount::*kind, const std::string& why);
 
   const Clock& clock_;
@@ -182,6 +185,7 @@ class SensorInbox final : public FrameSink {
   std::condition_variable_any came_;
   std::array<Stream, kSensorStreams> streams_;
   std::deque<Lone> left_, right_;  // in order of arrival
+  std::deque<Correction> corrections_;
   NewestRanges ranges_;
   std::optional<double> pair_offset_;
   // The cameras have one clock.

@@ -112,6 +112,12 @@ double FrontierPlanner::path_left() const {
   return length;
 }
 
+void FrontierPlanner::follow(const FrontierPlannerOptions& told) {
+  options_.area = told.area;
+  options_.traversability.zones = told.traversability.zones;
+  traversability_.set_zones(told.traversability.zones);
+}
+
 bool FrontierPlanner::counts(const Eigen::Vector2d& p) const {
   const ZoneMap* zones = options_.traversability.zones.get();
   return (!options_.area || contains(*options_.area, p)) &&

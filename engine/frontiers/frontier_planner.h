@@ -150,6 +150,10 @@ class FrontierPlanner {
                                            const FeatureVisibilityMap* visibility_map = nullptr,
                                            const PausePoint& pause = {});
 
+  /// What was told lies elsewhere in W from the next update() on. Nothing that was learned is
+  /// forgotten.
+  void follow(const FrontierPlannerOptions& told);
+
   /// Whether what lies at p, in W, is to be seen: within the area, if there is one, and in no
   /// forbidden part of traversability.zones.
   bool counts(const Eigen::Vector2d& p) const;

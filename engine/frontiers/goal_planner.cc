@@ -46,6 +46,19 @@ GoalPlanner::GoalPlanner(const GoalPlannerOptions& options, const Polygon& area,
   area_ = area;
 }
 
+void GoalPlanner::follow(const std::shared_ptr<const ZoneMap>& zones, const Goal& goal,
+                         const std::optional<Polygon>& area) {
+  options_.traversability.zones = zones;
+  traversability_.set_zones(zones);
+  solved_ = GridFrame();
+  if (!area_) {
+    goal_ = goal;
+  } else if (area) {
+    area_ = area;
+    goal_.position = area->front();
+  }
+}
+
 void GoalPlanner::solve(Cell robot, const PausePoint& pause) {
   const GridFrame& frame = traversability_.frame();
   if (area_) {

@@ -70,6 +70,10 @@ class GoalPlanner {
   std::shared_ptr<const GlobalPlan> update(const GroundMap& ground, const Pose& pose, double stamp,
                                            const FrontierActivity& activity,
                                            const PausePoint& pause = {});
+  /// The same place lies elsewhere in W from the next update() on, and so do zones; an area, if it
+  /// leads to one. Nothing that was learned of the ground is forgotten.
+  void follow(const std::shared_ptr<const ZoneMap>& zones, const Goal& goal,
+              const std::optional<Polygon>& area);
   /// Its time without progress begins anew: it had something else to do.
   void resume() { monitor_.restart(); }
 

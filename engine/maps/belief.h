@@ -16,6 +16,8 @@ class OcTree;
 
 namespace prospect {
 
+struct MapFrame;
+
 /// When the sources of a belief last had their say [s], in the clock of Belief::stamp. Whoever
 /// publishes a belief sets each of them: the guard refuses what is older than its limits, so that
 /// nothing that has stopped hides behind what goes on (guard.h). 0 is what a source has that was
@@ -38,7 +40,8 @@ enum class LocalizationSource {
 /// and never change after publication, so a solve cannot see a half-updated map. The octree is
 /// authoritative; voxels and ground are derived from it and carry its resolution.
 ///
-/// Frames: everything in W, which is the odometry's frame (it drifts against the true world).
+/// Frames: everything in W, in which odometry goes on without a jump (it drifts against the true
+/// world). What people told the robot is in the map's frame, which may move in W: map_frame.
 struct Belief {
   double stamp = 0.0;  ///< [s], from the clock passed to perception
   SourceStamps stamps;
@@ -65,6 +68,10 @@ struct Belief {
   std::shared_ptr<const VoxelGrid> voxels;
   std::shared_ptr<const GroundMap> ground;
   std::shared_ptr<const LandmarkMap> landmarks;
+
+  /// Where W lies in the map's frame, as corrected so far (correction.h). Null: they are the same,
+  /// and nobody says otherwise.
+  std::shared_ptr<const MapFrame> map_frame{};
 
   /// Everything is of time t [s].
   void set_stamps(double t) {

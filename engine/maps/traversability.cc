@@ -6,6 +6,7 @@
 #include <cstring>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "engine/maps/known_extent.h"
 #include "models/knobs.h"
@@ -316,6 +317,11 @@ void Traversability::lay_zones(const PausePoint& pause) {
   }
 }
 
+void Traversability::set_zones(std::shared_ptr<const ZoneMap> zones) {
+  options_.zones = std::move(zones);
+  zones_moved_ = true;
+}
+
 void Traversability::shut(Cell c, double radius, int times) {
   const int reach = static_cast<int>(std::ceil(radius / state_.frame.resolution));
   const Rectangle cells = within({c.i, c.j, c.i, c.j}, reach);
@@ -435,6 +441,12 @@ void Traversability::update(const GroundMap& ground, const Pose* pose, const Pau
   // unknown.
   std::vector<Rectangle> occupied, unknown;
   const GridFrame& f = state_.frame;
+  if (std::exchange(zones_moved_, false) && !restarted_) {
+    forbidden_sq_ = {};
+    slowness_ = {};
+    lay_zones(pause);
+    occupied.push_back({f.i0, f.j0, f.i0 + f.width - 1, f.j0 + f.height - 1});
+  }
   for (std::vector<Cell>* list :
        {&changed_states_, &newly_known_, &changed_sights_, &changed_factors_, &changed_headings_}) {
     // Long ones would be moved as they grow, without a pause.

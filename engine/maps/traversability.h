@@ -97,6 +97,10 @@ class Traversability {
   /// Whether `ground` can be a later state of the last map (frame_of_both()), or is the first.
   bool continues(const GroundMap& ground, const PausePoint& pause = {}) const;
 
+  /// Other zones from the next update() on: nothing else is forgotten, and what they change is
+  /// among changed_factors().
+  void set_zones(std::shared_ptr<const ZoneMap> zones);
+
   /// Makes the cells within `radius` [m] of the centre of `c` impassable, whatever the map says: a
   /// gap that could not be passed. Adds them to changed_factors(). A cell that is closed twice must
   /// be opened twice.
@@ -204,6 +208,7 @@ class Traversability {
   bool confined_ = false;  // cells out of its reach are impassable
   std::int64_t explored_cells_ = 0;
   bool fresh_ = true;
+  bool zones_moved_ = false;
   bool restarted_ = true;
   std::vector<Cell> changed_states_;
   std::vector<Cell> newly_known_;

@@ -25,7 +25,8 @@ std::shared_ptr<const GlobalPlan> stay(const Belief& belief) {
 
 GlobalPlanner::GlobalPlanner(const RobotDescription& robot, const PlannerParameters& parameters)
     : frontier_planner_(parameters.frontier_planner),
-      known_(parameters.frontier_planner.traversability) {
+      known_(parameters.frontier_planner.traversability),
+      task_(parameters.task) {
   if (parameters.frontier_planner.cost_to_go.lambda > 0.0 &&
       parameters.weights.visible_features > 0.0) {
     FeatureVisibilityMapOptions options;
@@ -42,6 +43,19 @@ void GlobalPlanner::restart(const FrontierPlannerOptions& options) {
   goal_planner_.reset();
 }
 
+void GlobalPlanner::follow(const FrontierPlannerOptions& options, const Task& task) {
+  task_ = task;
+  const std::shared_ptr<const ZoneMap>& zones = options.traversability.zones;
+  frontier_planner_.follow(options);
+  known_.zones = zones;
+  if (area_planner_) area_planner_->follow(zones, {}, options.area);
+  if (!goal_planner_) return;
+  // The place to return to was measured.
+  Goal goal = goal_planner_->goal();
+  if (task.kind == TaskKind::kGoTo) goal = task.goal;
+  goal_planner_->follow(zones, goal, std::nullopt);
+}
+
 std::optional<Goal> GlobalPlanner::goal() const {
   return goal_planner_ ? std::optional(goal_planner_->goal()) : std::nullopt;
 }
@@ -56,11 +70,11 @@ WholeMap GlobalPlanner::update(const Belief& belief, const PlannerParameters& pa
                                const PausePoint& pause) {
   if (!start_) start_ = belief.pose;
   WholeMap whole;
-  if (parameters.task.kind == TaskKind::kExplore) {
+  if (task_.kind == TaskKind::kExplore) {
     whole.global_plan =
         explore(belief, parameters, frontier_stamp, activity, texture, workers, pause);
     whole.frontiers = whole.global_plan->facts;
-  } else if (has_goal(parameters.task.kind)) {
+  } else if (has_goal(task_.kind)) {
     whole.global_plan = go(belief, parameters, activity, pause);
     whole.goal = goal_planner_->facts();
   } else {
@@ -82,7 +96,7 @@ std::shared_ptr<const GlobalPlan> GlobalPlanner::explore(
   }
   auto plan = frontier_planner_.update(*belief.ground, belief.pose, frontier_stamp, activity,
                                        predicts_view ? &*visibility_map_ : nullptr, pause);
-  if (!parameters.task.area) return plan;
+  if (!task_.area) return plan;
   return set_goal_area(std::move(plan), belief, parameters, frontier_stamp, activity, pause);
 }
 
@@ -98,7 +112,7 @@ std::shared_ptr<const GlobalPlan> GlobalPlanner::set_goal_area(
   if (!area_planner_) {
     area_planner_.emplace(GoalPlannerOptions{parameters.frontier_planner.traversability,
                                              parameters.frontier_planner.cost_to_go},
-                          *parameters.task.area, parameters.goal_unknown_price);
+                          *task_.area, parameters.goal_unknown_price);
   }
   const auto path =
       area_planner_->update(*belief.ground, belief.pose, frontier_stamp, activity, pause);
@@ -140,8 +154,8 @@ std::shared_ptr<const GlobalPlan> GlobalPlanner::go(const Belief& belief,
                                                     const FrontierActivity& activity,
                                                     const PausePoint& pause) {
   if (!goal_planner_) {
-    const bool back = parameters.task.kind == TaskKind::kReturn;
-    Goal goal = parameters.task.goal;
+    const bool back = task_.kind == TaskKind::kReturn;
+    Goal goal = task_.goal;
     if (back) {
       goal.position = start_->position.head<2>();
       goal.yaw = start_->yaw;

@@ -33,14 +33,20 @@ class GlobalPlanner {
   /// std::invalid_argument naming the option, its value and what was expected.
   GlobalPlanner(const RobotDescription& robot, const PlannerParameters& parameters);
 
-  /// A step with parameters.task. frontier_stamp [s]: the belief's stamp on the clock of exploring;
+  /// A step with the task. frontier_stamp [s]: the belief's stamp on the clock of exploring;
   /// texture: of what is seen nearby, null where the localization does not rest on features.
   WholeMap update(const Belief& belief, const PlannerParameters& parameters, double frontier_stamp,
                   const FrontierActivity& activity, const LocalTexture* texture,
                   WorkerThreads& workers, const PausePoint& pause = {});
 
-  /// Another task from the next step on: its path begins anew.
-  void restart_task() { goal_planner_.reset(); }
+  /// Another task, in W, from the next step on: its path begins anew.
+  void restart_task(const Task& task) {
+    task_ = task;
+    goal_planner_.reset();
+  }
+  /// What was told, zones and area in `options` and `task`, lies elsewhere in W from the next step
+  /// on: what was learned stays.
+  void follow(const FrontierPlannerOptions& options, const Task& task);
   /// Other zones or another area: what was learned of frontiers is forgotten.
   void restart(const FrontierPlannerOptions& options);
 
@@ -76,6 +82,7 @@ class GlobalPlanner {
   TraversabilityOptions known_;                         // what is passable of what is known
   std::optional<GoalPlanner> area_planner_;             // of the area that is to be explored
   ExhaustionMonitor exhaustion_;                        // of its frontiers and the paths to it
+  Task task_;                                           // in W
   std::optional<GoalPlanner> goal_planner_;  // of a task that leads to a place, from its first step
   std::optional<Pose> start_;                // of the first step
 };

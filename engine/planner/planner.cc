@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "engine/behaviour/mode_policy.h"
+#include "engine/maps/correction.h"
 #include "engine/maps/surface_drift.h"
 #include "engine/planner/added_terms.h"
 #include "engine/planner/candidate_evaluation.h"
@@ -31,6 +32,7 @@
 #include "engine/support/resumed.h"
 #include "engine/support/stopwatch.h"
 #include "engine/support/worker_threads.h"
+#include "engine/task/moved.h"
 #include "engine/task/zone_map.h"
 #include "engine/terms/builtin_terms.h"
 #include "models/can_move.h"
@@ -298,7 +300,14 @@ struct Planner::Impl {
   RobotDescription robot;
   PlannerParameters parameters;
   std::shared_ptr<const Solver> solver;
+  // What was told is in the map's frame in `parameters`, and in the certifier; in W here and in
+  // parameters.frontier_planner.
   std::shared_ptr<const ZoneMap> zones;  // null: none
+  Task task;
+  std::optional<Polygon> told_area;  // parameters.frontier_planner.area, in the map's frame
+  std::shared_ptr<const MapFrame> map_frame{};  // of the newest belief
+  bool told_moved = false;                      // which the global planner does not know yet
+  std::string corrected{};                      // what no plan has told yet
   PlanCertifier certifier;
   GlobalPlanner global_planner;
   WorkerThreads workers;
@@ -326,7 +335,7 @@ struct Planner::Impl {
   bool prepared = false;           // the whole map of the next step is made
   std::optional<double> prepares;  // stamp of the belief of prepare() since the last step
   bool of_frontiers = false;       // what map_work has begun last
-  bool told = true;                // a step has told what changed in the newest whole map
+  bool change_told = true;         // a step has told what changed in the newest whole map
 
   // Of the last step: whole, or nothing.
   std::shared_ptr<const PlanningStep> step = std::make_shared<const PlanningStep>();
@@ -336,6 +345,8 @@ struct Planner::Impl {
         parameters(completed(robot, std::move(p))),
         solver(required(std::move(s))),
         zones(parameters.frontier_planner.traversability.zones),
+        task(parameters.task),
+        told_area(parameters.task.area),
         certifier(robot, parameters, zones),
         global_planner(robot, parameters),
         workers(parameters.threads),
@@ -343,6 +354,10 @@ struct Planner::Impl {
                        parameters.solver_options, shares_threads(*solver)} {}
 
   void prepare(const Belief& given);
+  /// Takes over where W lies in the map's frame (correction.h).
+  void follow(const Belief& belief);
+  /// Moves what was told to where it lies in W.
+  void move_told();
   bool go_on(double seconds);
   Plan plan(const Belief& given, const StopCondition& stop);
   /// step_landmarks(), as of this belief or, where there is no time, an earlier one; null: nor is
@@ -382,7 +397,7 @@ struct Planner::Impl {
     return {*making.problem, making.evaluators.visible_features.get(), parameters.threads, workers};
   }
   void use_zones(const Zones& given);
-  void use_task(const Task& task);
+  void use_task(const Task& given);
 
   // What takes the longer the more is known of the world. Last: it is unwound before what it
   // works on.
@@ -396,6 +411,7 @@ void Planner::Impl::prepare(const Belief& given) {
   prepared = false;
   prepares.reset();
   if (parameters.task.kind != TaskKind::kExplore || !unusable(given).empty()) return;
+  follow(given);
   const StepTime time(parameters.deadline, 0.0);
   const std::shared_ptr<const StepLandmarks> seen =
       landmarks(given, time.landmarks(landmark_work.newest().has_value()));
@@ -435,13 +451,16 @@ bool Planner::Impl::update_whole_map(const Belief& given, std::shared_ptr<const 
                                      StepTime::Clock::time_point until) {
   Belief belief = given;
   belief.landmarks = seen->usable;
-  const auto make = [this, belief, seen = std::move(seen), did = activity,
+  const auto make = [this, belief, told = task, seen = std::move(seen), did = activity,
                      stamp = given.stamp - clock.away()](const PausePoint& pause) {
     attended = true;
     of_frontiers = parameters.task.kind == TaskKind::kExplore;
+    if (std::exchange(told_moved, false)) {
+      global_planner.follow(parameters.frontier_planner, told);
+    }
     WholeMap whole = global_planner.update(
         belief, parameters, stamp, did, seen->texture ? &*seen->texture : nullptr, workers, pause);
-    told = false;
+    change_told = false;
     return whole;
   };
   return go_on_with_whole_map([&] { return map_work.update(given.stamp, make, until); });
@@ -474,6 +493,7 @@ Plan Planner::Impl::plan(const Belief& given, const StopCondition& asked) {
   if (const std::string& why = misfit_with(given.voxels->resolution()); !why.empty()) {
     return brake(given, PlanFault::kMisfit, "planning is impossible: " + why);
   }
+  follow(given);
   const std::optional<double> prepared_from = std::exchange(prepares, std::nullopt);
   // Of a step that fails, what is only kept to save time is forgotten, too.
   StepInTheMaking making{.evaluators = std::move(evaluators)};
@@ -608,7 +628,7 @@ std::optional<ModeKind> Planner::Impl::update_mode(const Belief& belief,
   plan.goal = global_planner.goal();
   plan.mode = behaviour.mode;
   plan.safety_level = safety_level;
-  plan.why = describe(behaviour.mode, facts);
+  plan.why = describe(behaviour.mode, facts) + std::exchange(corrected, {});
   plan.has_active_frontier = making.global_plan->target.has_value();
   if (facts.goal && facts.goal->reached) plan.heading_missed = facts.goal->heading_missed;
   if (behaviour.mode.kind != ModeKind::kDone) return behaviour.mode.kind;
@@ -623,7 +643,8 @@ void Planner::Impl::take_whole_map(const Belief& belief, bool fresh, Facts& fact
   facts.frontiers = whole.frontiers;
   facts.goal = whole.goal;
   plan.age.global_plan = age(belief, map_work);
-  if (std::exchange(told, true) && facts.frontiers) facts.frontiers->changed = TargetChange::kNone;
+  if (std::exchange(change_told, true) && facts.frontiers)
+    facts.frontiers->changed = TargetChange::kNone;
   // The arrival is judged where the robot is.
   if (!fresh && facts.goal) {
     judge_arrival(*global_planner.goal(), belief.pose, facts.goal->heading_missed.has_value(),
@@ -772,32 +793,65 @@ void Planner::Impl::brake_instead(const Belief& belief, Plan& plan) const {
   plan.why += " It brakes: " + why + '.';
 }
 
+void Planner::Impl::follow(const Belief& belief) {
+  const std::shared_ptr<const MapFrame> before = std::exchange(map_frame, belief.map_frame);
+  if (map_frame == before) return;
+  const MapFrame none;
+  const MapFrame& now = map_frame ? *map_frame : none;
+  const MapFrame& then = before ? *before : none;
+  if (now.taken > then.taken && now.newest) {
+    const int more = now.taken - then.taken - 1;
+    corrected += more > 0 ? formatted(" %d corrections, then: ", more) : " Correction: ";
+    corrected += to_text(*now.newest) + '.';
+  }
+  if (now.refused + now.cannot_follow > then.refused + then.cannot_follow) {
+    corrected += " Note: " + now.refusal + '.';
+  }
+  if (now.origin.position == then.origin.position && now.origin.yaw == then.origin.yaw) return;
+  move_told();
+  if (zones == nullptr && !told_area && task.kind != TaskKind::kGoTo) return;
+  told_moved = true;
+  prepared = false;
+  const std::vector<std::string> wrong =
+      faults(task, zones.get(), parameters.frontier_planner.traversability.hard_radius);
+  if (!wrong.empty()) corrected += " Since then the " + wrong.front() + '.';
+}
+
+void Planner::Impl::move_told() {
+  const Pose T_WM = map_frame ? map_frame->map_in_W() : Pose();
+  task = moved(parameters.task, T_WM);
+  zones = zone_map_of(moved(parameters.zones, T_WM));
+  FrontierPlannerOptions& options = parameters.frontier_planner;
+  options.traversability.zones = zones;
+  options.area.reset();
+  if (told_area) options.area = moved(*told_area, T_WM);
+}
+
 void Planner::Impl::use_zones(const Zones& given) {
   parameters.zones = given;
-  zones = zone_map_of(given);
-  certifier.set_zones(zones);
+  certifier.set_zones(zone_map_of(given));
+  move_told();
   prepared = false;
   map_work.give_up();
   clearance_work.give_up();
-  parameters.frontier_planner.traversability.zones = zones;
   global_planner.restart(parameters.frontier_planner);
 }
 
-void Planner::Impl::use_task(const Task& task) {
-  const bool other_area =
-      task.kind == TaskKind::kExplore && task.area != parameters.frontier_planner.area;
+void Planner::Impl::use_task(const Task& given) {
+  const bool other_area = given.kind == TaskKind::kExplore && given.area != told_area;
   // What was learned of frontiers is kept: what is under way of them is done first.
   if (map_work.busy() && of_frontiers && !other_area) {
     map_work.forget();
   } else {
     map_work.give_up();
   }
-  parameters.task = task;
+  parameters.task = given;
+  if (other_area) told_area = given.area;
+  move_told();
   prepared = false;
   clock.restart();
-  global_planner.restart_task();
+  global_planner.restart_task(task);
   if (!other_area) return;
-  parameters.frontier_planner.area = task.area;
   global_planner.restart(parameters.frontier_planner);
 }
 
@@ -834,8 +888,10 @@ Plan Planner::plan(const Belief& belief, const StopCondition& stop) {
 }
 
 std::string Planner::set_task(const Task& task) {
-  const std::vector<std::string> wrong = faults(
-      task, impl_->zones.get(), impl_->parameters.frontier_planner.traversability.hard_radius);
+  const Planner::Impl& s = *impl_;
+  const Task in_W = moved(task, s.map_frame ? s.map_frame->map_in_W() : Pose());
+  const std::vector<std::string> wrong =
+      faults(in_W, s.zones.get(), s.parameters.frontier_planner.traversability.hard_radius);
   if (!wrong.empty()) return wrong.front();
   impl_->use_task(task);
   return "";

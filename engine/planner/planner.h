@@ -155,6 +155,10 @@ void describe(Knobs& knobs, PlannerParameters& parameters);
 /// speed within what is allowed; the cost-to-go leads round; the clearance terms count forbidden
 /// parts as obstacles; frontiers in them are no targets.
 ///
+/// Corrections (correction.h). Task and zones are in the map's frame; where that lies in W the
+/// belief says, and when it moves they move in W, with all else as it was. A plan's `why` tells of
+/// each correction, and of a goal that lies where none may be now. Plan::goal is in W.
+///
 /// Ahead of the step. prepare() looks for the frontiers and the path to them, which takes about
 /// half of a step. The plan() after it takes them as they are: they are of prepare()'s belief, and
 /// of what the robot was doing at the plan before. The mode, the obstacles, the views, the problem

@@ -18,6 +18,7 @@
 #include <unordered_set>
 #include <vector>
 
+#include "engine/maps/correction.h"
 #include "engine/maps/pose_error.h"
 #include "engine/maps/present_view.h"
 #include "engine/maps/shape_geometry.h"
@@ -674,6 +675,7 @@ class Certifier::Check {
         planar_(model.pose_layout().pz < 0),
         half_voxel_(0.5 * belief.voxels->resolution()),
         drift_(drift),
+        map_frame_(belief.map_frame.get()),
         sub_(model.nx()) {
     closing_ = {options_.unknown, drift, options_.drift_limit};
     closing_.octree = belief.octree.get();
@@ -791,6 +793,8 @@ class Certifier::Check {
     return margin;
   }
 
+  /// Zones are in the map's frame.
+  Pose in_map(const Pose& pose) const { return map_frame_ ? map_frame_->to_map(pose) : pose; }
   /// [m] that the body keeps from forbidden zones.
   double enter_zones(const Pose& pose) {
     const ZoneMap& zones = *options_.zones;
@@ -801,7 +805,8 @@ class Certifier::Check {
       zone_cost_ += kSideCost * static_cast<long long>(zone.area.size());
     }
     budget_.spend(zone_cost_);
-    zone_walk_.emplace(zones, body_.outline, pose, options_.margin, options_.reduced_margin_share);
+    zone_walk_.emplace(zones, body_.outline, in_map(pose), options_.margin,
+                       options_.reduced_margin_share);
     return zone_walk_->margin();
   }
 
@@ -821,7 +826,7 @@ class Certifier::Check {
     }
     if (!result_.ok() || !zone_walk_) return result_.ok();
     budget_.spend(zone_cost_);
-    if (const int part = zone_walk_->step(pose); part >= 0) {
+    if (const int part = zone_walk_->step(in_map(pose)); part >= 0) {
       const bool bound = options_.zones->zones().bound && part == 0;
       result_.status = Status::kForbidden;
       result_.detail = (bound ? "the body would leave " : "the body would enter ") +
@@ -832,7 +837,8 @@ class Certifier::Check {
 
   bool too_fast(const Pose& pose, const Twist& twist, double time) {
     if (!zone_walk_ || !options_.zones->slows()) return false;
-    const double limit = options_.zones->speed_limit(pose.position.head<2>(), 0.5 * spacing_);
+    const double limit =
+        options_.zones->speed_limit(in_map(pose).position.head<2>(), 0.5 * spacing_);
     if (twist.linear.norm() <= limit + kSpeedTolerance) return false;
     result_.status = Status::kTooFast;
     result_.time = time;
@@ -869,6 +875,7 @@ class Certifier::Check {
   const bool planar_;
   const double half_voxel_;    // [m]
   const SurfaceDrift* drift_;  // null: none is minded
+  const MapFrame* map_frame_;  // null: it is W
   std::string unbounded_;      // why nothing bounds the error of the pose; empty: something does
   std::optional<PresentView> view_;
   Closing closing_;

@@ -87,10 +87,11 @@ Eigen::MatrixXd stopping_tail(const MotionModel& model, const Eigen::Ref<const E
 /// its shape, obstacles permitting: that is how it looks about. No margin is applied, as for the
 /// unknown.
 ///
-/// Zones (zone_map.h): the grown body may enter no forbidden part, by the rule for obstacles; where
-/// B's origin is in a slow zone, or within half the spacing of the poses of one, the linear speed
-/// may not exceed its limit (by more than 0.1 mm/s), stopping tail included. A robot that is too
-/// fast in one gets no certificate until it has braked.
+/// Zones (zone_map.h), in the map's frame (Belief::map_frame): the grown body may enter no
+/// forbidden part, by the rule for obstacles; where B's origin is in a slow zone, or within half
+/// the spacing of the poses of one, the linear speed may not exceed its limit (by more than 0.1
+/// mm/s), stopping tail included. A robot that is too fast in one gets no certificate until it has
+/// braked.
 ///
 /// The octree's finest occupied cells are mirrored in belief.voxels; walking that mirror finds the
 /// few boxes near the body faster than descending the octree.

@@ -11,7 +11,7 @@
 
 namespace prospect {
 
-/// A place to go to, in W, and how near to it is there.
+/// A place to go to, in the map's frame (engine/maps/correction.h), and how near to it is there.
 struct Goal {
   Eigen::Vector2d position = Eigen::Vector2d::Zero();  ///< of B's origin [m]
   std::optional<double> yaw;                           ///< [rad]; none: any heading

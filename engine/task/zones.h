@@ -15,7 +15,7 @@ struct SpeedZone {
 };
 
 /// What a robot is told of the ground besides its map: prisms of unbounded height over polygons in
-/// W, the frame of the estimate. (A robot that has drifted keeps off where it believes they are.)
+/// the map's frame. (A robot that has drifted keeps off where it believes they are.)
 struct Zones {
   std::optional<Polygon> bound;   ///< the body stays within; none: anywhere
   std::vector<Polygon> keep_out;  ///< the body stays out of each

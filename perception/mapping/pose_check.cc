@@ -8,12 +8,6 @@ constexpr double kSlackRotation = 0.05;  // [rad]
 
 }  // namespace
 
-bool is_pose(const Eigen::Isometry3d& T) {
-  const Eigen::Matrix3d R = T.linear();
-  return T.matrix().allFinite() &&
-         (R * R.transpose() - Eigen::Matrix3d::Identity()).norm() < 1e-3 && R.determinant() > 0.0;
-}
-
 const char* not_mapped_at(Localization pose) {
   // What a wrong pose enters is not taken out again by a right one.
   if (pose == Localization::kDegraded) return "the pose is degraded";

@@ -3,11 +3,9 @@
 #include <Eigen/Geometry>
 
 #include "engine/maps/localization.h"
+#include "models/body_transform.h"
 
 namespace prospect {
-
-/// Whether T is a rotation, to 1e-3, and a translation, both finite.
-bool is_pose(const Eigen::Isometry3d& T);
 
 /// Why nothing is mapped at a pose of which the odometry says so much, in words; null: it is
 /// mapped.

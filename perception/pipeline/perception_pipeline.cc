@@ -198,12 +198,25 @@ InputResult PerceptionPipeline::external_pose(const ExternalPose& pose) {
     return log_.note(InputSource::kPose,
                      {InputState::kRefused, "the pose is no rotation and translation"});
   }
+  if (external_ && pose.corrections != corrections_followed_) {
+    if (std::string wrong = take_correction(pose); !wrong.empty()) {
+      return log_.note(InputSource::kPose, {InputState::kRefused, std::move(wrong)});
+    }
+  }
+  corrections_followed_ = pose.corrections;
   log_.note(InputSource::kPose, {});
   if (external_ && pose.jumps.count != external_->jumps.count) {
     history_ = PoseHistory(options_.max_age);
     builder_.restart();
   }
   external_ = pose;
+  if (const MapFrame* map = corrections_.frame().get()) {
+    const Eigen::Isometry3d T_WM = body_transform(map->map_in_W());
+    external_->T_WB = T_WM * pose.T_WB;
+    Eigen::Matrix4d R = Eigen::Matrix4d::Identity();
+    R.topLeftCorner<3, 3>() = T_WM.linear();
+    external_->covariance = R * pose.covariance * R.transpose();
+  }
   external_->state = std::max(pose.state, state_of(pose.covariance, options_));
   Eigen::Matrix4d& covariance = external_->covariance;
   if (!options_.start_in_space) {  // it stands on the floor, whatever the pose says of z
@@ -215,6 +228,27 @@ InputResult PerceptionPipeline::external_pose(const ExternalPose& pose) {
   history_.add(pose.stamp, body(pose.stamp));
   enter_waiting();
   return {};
+}
+
+std::string PerceptionPipeline::take_correction(const ExternalPose& pose) {
+  if (!external_->T_OB || !pose.T_OB || !is_pose(*external_->T_OB) || !is_pose(*pose.T_OB)) {
+    return "the pose was corrected, and nobody says how the robot went on meanwhile";
+  }
+  const Eigen::Isometry3d T_WB = external_->T_WB * external_->T_OB->inverse() * *pose.T_OB;
+  Correction correction;
+  correction.stamp = pose.stamp;
+  correction.T_new_old =
+      pose.T_WB * T_WB.inverse() * body_transform(origin_of(corrections_.frame().get())).inverse();
+  correction.covariance = pose.covariance;
+  correction.why = "the pose from outside jumped, the odometry did not";
+  return corrections_.take(correction, body_pose(T_WB)).why;
+}
+
+InputResult PerceptionPipeline::correct(const Correction& correction) {
+  const Corrections::Answer answer =
+      corrections_.take(correction, pose(known_until().value_or(frame_.stamp)));
+  if (answer.verdict == CorrectionVerdict::kTaken) return {};
+  return {InputState::kRefused, answer.why};
 }
 
 InputResult PerceptionPipeline::depth(double stamp, DepthImage image) {
@@ -458,6 +492,7 @@ std::shared_ptr<const Belief> PerceptionPipeline::belief(double stamp) {
     belief = builder_.build(newest.stamp, body(stamp), newest.covariance, map().snapshot());
   }
   if (!options_.start_in_space) belief.pose.position.z() = options_.start.position.z();
+  belief.map_frame = corrections_.frame();
   belief.stamps.map = map_stamp_.value_or(0.0);
   const std::optional<double> depth = log_.count(InputSource::kDepth).newest,
                               scan = log_.count(InputSource::kScan).newest;

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "engine/maps/belief.h"
+#include "engine/maps/correction.h"
 #include "models/camera.h"
 #include "models/types.h"
 #include "perception/fusion/visual_motion.h"
@@ -54,11 +55,16 @@ struct PoseJumps {
 /// A pose that something else measured: SLAM, motion capture, a recording's transforms.
 struct ExternalPose {
   double stamp = 0.0;  ///< [s]
+  /// In the map's frame, which is W until it is corrected.
   Eigen::Isometry3d T_WB = Eigen::Isometry3d::Identity();
   /// Of (x, y, z, yaw), as Belief's; zero: exact.
   Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();
   Localization state = Localization::kOk;
   PoseJumps jumps{};  ///< up to this pose, of whoever judges them (runtime/pose_jump.h)
+  /// B where odometry alone has it, in a frame of its own, at the same stamp; none: nobody says.
+  std::optional<Eigen::Isometry3d> T_OB{};
+  /// Likewise of jumps that the odometry did not make: the map was corrected, not the robot moved.
+  int corrections = 0;
 };
 
 /// A robot's perception: stamped stereo pairs, wheel motion, depth images and scans in, the belief
@@ -74,6 +80,12 @@ struct ExternalPose {
 /// pose that has jumped begins anew: scans between it and the one before have no pose, and what the
 /// map drew before may be off by the jump, so the belief's covariance grows by the square of all
 /// jumps so far (surface_drift.h).
+///
+/// Corrections (correction.h). correct() moves the map's frame against W, in which nothing changes.
+/// So does a pose from outside that jumps while its odometry does not (ExternalPose::corrections):
+/// with T_MB as told, and the poses before, the robot goes on in W as the odometry did,
+///   T_WB <- T_WB(before) T_OB(before)^-1 T_OB,    T_MW <- T_MB T_WB^-1.
+/// A pose whose correction is refused is refused, until one can be taken.
 ///
 /// Frames. W: z up, the floor is z = 0. B: the body, in the plane or free in space
 /// (start_in_space). C: the left camera, at stereo_mount. The odometry begins at T_WB(start) T_BC.
@@ -129,6 +141,8 @@ class PerceptionPipeline {
   InputResult wheels(const WheelSample& sample);
   /// Refused where an odometry or wheels give the poses.
   InputResult external_pose(const ExternalPose& pose);
+  /// Of the map's frame; a refusal says why.
+  InputResult correct(const Correction& correction);
   InputResult depth(double stamp, DepthImage image);
   /// in_B: as DepthScan, with origin and points in B [m].
   InputResult scan(double stamp, DepthScan in_B);
@@ -172,6 +186,8 @@ class PerceptionPipeline {
   PerceptionPipeline(std::unique_ptr<Odometry> odometry, const std::optional<StereoCamera>& camera,
                      const PerceptionOptions& options);
   static InputSource source_of(const Waiting& input);
+  /// Moves the map's frame so that the robot goes on as its odometry did; why not, or empty.
+  std::string take_correction(const ExternalPose& pose);
   InputResult take(Waiting input);
   InputResult enter(const Waiting& input);
   MappedFrame enter_depth(const Waiting& input, const BodyPose& body);
@@ -208,7 +224,9 @@ class PerceptionPipeline {
 
   InputLog log_;
   PoseHistory history_;                   // at the pairs, or the poses from outside
-  std::optional<ExternalPose> external_;  // the newest
+  std::optional<ExternalPose> external_;  // the newest, in W
+  int corrections_followed_ = 0;          // ExternalPose::corrections
+  Corrections corrections_;
   double newest_wheels_ = 0.0;
   OdometryFrame frame_;
   Pose pose_at_fix_;                         // when the odometry last took a pose

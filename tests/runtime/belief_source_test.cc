@@ -66,6 +66,22 @@ TEST_F(PipelineBeliefsTest, WhatWaitsIsWorkedInAndToldInItsOrder) {
   EXPECT_EQ(beliefs_.known()->stamp, 99.95);
 }
 
+TEST_F(PipelineBeliefsTest, CorrectionsComeThroughTheInbox) {
+  pose(99.9, 1.0);
+  EXPECT_EQ(beliefs_.update({})->map_frame, nullptr);
+  Correction correction;
+  correction.T_new_old.translation().x() = 3.0;
+  correction.why = "SLAM";
+  for (int k = 0; k < 1000; ++k) inbox_.observe(correction);  // at once
+  const std::shared_ptr<const Belief> belief = beliefs_.update({});
+  ASSERT_NE(belief, nullptr);
+  EXPECT_EQ(belief->pose.position.x(), 1.0);
+  EXPECT_EQ(belief->map_frame->origin.position.x(), 3.0);
+  EXPECT_EQ(belief->map_frame->taken, 1);
+  EXPECT_GT(belief->map_frame->refused, 0);
+  EXPECT_NE(belief->map_frame->refusal.find("(SLAM)"), std::string::npos);
+}
+
 TEST_F(PipelineBeliefsTest, WhoDeliversWithoutEndKeepsNoBeliefBack) {
   for (int k = 1; k <= 50; ++k) pose(99.5 + 0.001 * k, 0.0);
   EXPECT_NEAR(beliefs_.update({})->stamp, 99.532, 1e-9);

@@ -41,6 +41,23 @@ TEST(PoseJumpWatch, WhatARobotCanDriveIsNoJump) {
   EXPECT_EQ(watch.add(before) + watch.add(after), "");
 }
 
+TEST(PoseJumpWatch, AJumpThatTheOdometryDidNotMakeIsACorrection) {
+  PoseJumpWatch watch(options());
+  const auto add = [&](double stamp, double x, double by_odometry) {
+    ExternalPose pose = at(stamp, x);
+    pose.T_OB = body_transform({{by_odometry, 0.0, 0.0}, 0.0});
+    const std::string jumped = watch.add(pose);
+    EXPECT_EQ(pose.jumps.count, jumped.empty() ? 0 : 1);
+    return pose.corrections + (jumped.empty() ? 0 : 100);
+  };
+  EXPECT_EQ(add(0.0, 0.0, 7.0), 0);
+  EXPECT_EQ(add(0.1, 0.05, 7.05), 0);
+  EXPECT_EQ(add(0.2, 3.10, 7.10), 1);
+  EXPECT_EQ(add(0.3, 3.15, 7.15), 1);
+  EXPECT_EQ(add(0.4, 0.20, 7.20), 2) << "and back";
+  EXPECT_EQ(add(0.5, 3.25, 9.25), 102) << "both: the robot, or its odometry, jumped";
+}
+
 TEST(PoseJumpWatch, AJumpIsNoticedAlsoIfItIsSpreadOverSeveralPoses) {
   struct Case {
     double x, yaw;

@@ -205,12 +205,30 @@ std::vector<std::string> read_planner(YamlMap map, const Registries& registries,
   return read_terms(map, registries.terms, c.planner);
 }
 
+void read_corrections(YamlMap map, std::vector<ScheduledCorrection>& corrections) {
+  constexpr double kMost = 1e9;  // what cannot be is refused as it would be by a robot
+  const std::vector<double> told =
+      map.numbers("corrections", {}, -1, -kMost, kMost, "s, m, m, deg",
+                  "of the map's frame: time, x, y, yaw of each in turn");
+  if (told.size() % 4 != 0) {
+    map.problem("corrections",
+                std::to_string(told.size()) + " numbers; expected time, x, y and yaw of each");
+    return;
+  }
+  for (std::size_t i = 0; i < told.size(); i += 4) {
+    corrections.push_back({told[i], told[i + 1], told[i + 2], kRadiansPerDegree * told[i + 3]});
+  }
+  std::stable_sort(corrections.begin(), corrections.end(),
+                   [](const auto& a, const auto& b) { return a.time < b.time; });
+}
+
 void read_simulator(YamlMap map, Configuration& c) {
   YamlKnobs knobs(map);
   describe(knobs, c.simulator);
   const std::string known =
       map.text("map", "none", "OctoMap (.bt .ot) of the same world to begin with; none: nothing");
   if (known != "none") c.map = known;
+  read_corrections(std::move(map), c.simulator.corrections);
 }
 
 void read_perception(YamlMap map, ConfigurationUse use, Configuration& c) {

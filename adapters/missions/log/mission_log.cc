@@ -61,12 +61,16 @@ double MissionLog::asked_at(const Belief& belief) {
   return asked_ = std::max(asked_, belief.stamp);
 }
 
-void MissionLog::on_prepare(const Belief& belief) {
-  if (calls_) messages_.planner_call(asked_at(belief), writer_.prepare(belief));
+void MissionLog::log_call(const Belief& belief,
+                          PlannerCall (PlannerCallWriter::*call)(const Belief&)) {
+  if (!calls_) return;
+  const double stamp = asked_at(belief);
+  if (const auto moved = writer_.map_frame(belief)) messages_.planner_call(stamp, *moved);
+  messages_.planner_call(stamp, (writer_.*call)(belief));
 }
-void MissionLog::on_plan(const Belief& belief) {
-  if (calls_) messages_.planner_call(asked_at(belief), writer_.plan(belief));
-}
+
+void MissionLog::on_prepare(const Belief& belief) { log_call(belief, &PlannerCallWriter::prepare); }
+void MissionLog::on_plan(const Belief& belief) { log_call(belief, &PlannerCallWriter::plan); }
 void MissionLog::on_planned(const Plan& plan) {
   if (calls_) messages_.planner_call(asked_, writer_.planned(plan));
 }

@@ -57,6 +57,8 @@ class MissionLog final : public RunObserver {
   MissionMessages messages_;
   // Of the planner's thread: the time of a plan and of a task is that of the belief before it.
   PlannerCallWriter writer_;
+  /// A call with a belief, and before it where W lies in the map's frame, if it is another place.
+  void log_call(const Belief& belief, PlannerCall (PlannerCallWriter::*call)(const Belief&));
   /// When a call is logged: its belief's stamp, which of a plan lies ahead, but never back.
   double asked_at(const Belief& belief);
   double asked_ = 0.0;   // [s]

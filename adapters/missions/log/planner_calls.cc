@@ -10,6 +10,7 @@
 
 #include "adapters/formats/files/content_hash.h"
 #include "adapters/formats/files/input_error.h"
+#include "engine/maps/correction.h"
 
 namespace prospect {
 namespace {
@@ -199,6 +200,17 @@ std::uint64_t plan_hash(const Plan& plan) {
   return hash.value();
 }
 
+std::optional<PlannerCall> PlannerCallWriter::map_frame(const Belief& belief) {
+  const Pose before = origin_of(map_frame_.get()), now = origin_of(belief.map_frame.get());
+  map_frame_ = belief.map_frame;
+  if (before.position == now.position && before.yaw == now.yaw) return std::nullopt;
+  PlannerCall call;
+  call.sequence = sequence_++;
+  call.kind = PlannerCall::kMapFrame;
+  call.pose = {now.position.x(), now.position.y(), now.position.z(), now.yaw};
+  return call;
+}
+
 PlannerCall PlannerCallWriter::prepare(const Belief& belief) {
   return belief_call(PlannerCall::kPrepare, belief);
 }
@@ -269,6 +281,13 @@ PlannerCall PlannerCallWriter::belief_call(PlannerCall::Kind kind, const Belief&
   return call;
 }
 
+void PlannerCallReader::take_map_frame(const PlannerCall& call) {
+  MapFrame frame;
+  frame.origin = {{call.pose[0], call.pose[1], call.pose[2]}, call.pose[3]};
+  frame.taken = map_frame_ ? map_frame_->taken + 1 : 1;
+  map_frame_ = std::make_shared<const MapFrame>(std::move(frame));
+}
+
 Belief PlannerCallReader::belief(const PlannerCall& call, const std::string& said) {
   Belief b;
   b.stamp = call.stamps[0];
@@ -285,6 +304,7 @@ Belief PlannerCallReader::belief(const PlannerCall& call, const std::string& sai
   b.localization = static_cast<Localization>(call.localization);
   b.localization_source = static_cast<LocalizationSource>(call.source);
   b.tracked_features = call.tracked;
+  b.map_frame = map_frame_;
 
   if (call.voxels.changed) {
     if (!voxels_ && !call.voxels.whole) damaged(said, "changes of no voxels");

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -39,14 +40,15 @@ struct MapChanges {
 /// A call of Replanner (replanner.h) with all that its result rests on, or what plan() returned.
 struct PlannerCall {
   static constexpr const char* kType = "prospect_msgs/msg/PlannerCall";
-  enum Kind : std::uint8_t { kPrepare = 0, kPlan = 1, kPlanned = 2, kTask = 3 };
+  enum Kind : std::uint8_t { kPrepare = 0, kPlan = 1, kPlanned = 2, kTask = 3, kMapFrame = 4 };
 
   std::uint32_t sequence = 0;  ///< counts from 0; a gap: calls were dropped
   std::uint8_t kind = kPrepare;
 
   // kPrepare, kPlan: the belief. Of a map that is the same nothing is told again.
   std::array<double, 5> stamps{};  ///< Belief::stamp, then SourceStamps in its order [s]
-  std::array<double, 4> pose{};    ///< x, y, z, yaw
+  /// x, y, z, yaw; of kMapFrame those of W in the map's frame, for the beliefs after it.
+  std::array<double, 4> pose{};
   std::array<double, 16> covariance{};
   std::array<double, 4> twist{};  ///< linear, yaw rate
   bool commanded = false;
@@ -115,6 +117,8 @@ std::uint64_t plan_hash(const Plan& plan);
 /// with those before. Not thread-safe.
 class PlannerCallWriter {
  public:
+  /// Before prepare() and plan() with that belief; none: it is as before.
+  std::optional<PlannerCall> map_frame(const Belief& belief);
   PlannerCall prepare(const Belief& belief);
   PlannerCall plan(const Belief& belief);
   PlannerCall planned(const Plan& plan);
@@ -124,6 +128,7 @@ class PlannerCallWriter {
   PlannerCall belief_call(PlannerCall::Kind kind, const Belief& belief);
 
   std::uint32_t sequence_ = 0;
+  std::shared_ptr<const MapFrame> map_frame_;
   std::shared_ptr<const VoxelGrid> voxels_;
   std::shared_ptr<const GroundMap> ground_;
   std::shared_ptr<const LandmarkMap> landmarks_;
@@ -134,11 +139,14 @@ class PlannerCallWriter {
 /// thread-safe.
 class PlannerCallReader {
  public:
+  /// Of kMapFrame.
+  void take_map_frame(const PlannerCall& call);
   /// Of kPrepare and kPlan. All messages are to be read, in their order. Throws InputError, which
   /// begins with `said`, for one that does not fit those before.
   Belief belief(const PlannerCall& call, const std::string& said);
 
  private:
+  std::shared_ptr<const MapFrame> map_frame_;
   std::shared_ptr<const octomap::OcTree> octree_;
   std::shared_ptr<const VoxelGrid> voxels_;
   std::shared_ptr<const GroundMap> ground_;

@@ -129,8 +129,11 @@ class PlannerAskedAgain final : public RunObserver {
       case PlannerCall::kTask:
         planner_.set_task(task_of(call, said));
         break;
+      case PlannerCall::kMapFrame:
+        reader_.take_map_frame(call);
+        break;
       default:
-        fail(said, "is of kind " + std::to_string(call.kind) + "; expected 0 to 3");
+        fail(said, "is of kind " + std::to_string(call.kind) + "; expected 0 to 4");
     }
   }
 

@@ -65,6 +65,16 @@ struct CostToGoPicture {
   std::vector<float> seconds;  ///< by cell, as in Grid; NaN: unknown or impassable there
 };
 
+/// Where the map's frame is (engine/maps/correction.h).
+struct MapFrameRecord {
+  Pose origin;      ///< of W, in the map's frame
+  int taken = 0;    ///< corrections so far
+  int refused = 0;  ///< likewise, and those that cannot be followed
+  // Of those since the step before; the newest of several. None: there are none.
+  std::optional<double> distance{}, turn{};  ///< [m] that the robot moved in the map, [rad]
+  std::string why{};
+};
+
 /// Everything recorded at one planning step. All numbers but those in `wall` are reproducible. What
 /// is told of it, and by which name: step_fields.h. A word is none where a record was read that
 /// lacks it.
@@ -96,6 +106,8 @@ struct StepRecord {
   int active_frontiers = 0;
   int guard_stops = 0;
   std::optional<GuardReason> guard_reason;  ///< of the last of them; none: there are none
+
+  std::optional<MapFrameRecord> map_frame{};  ///< none: nobody corrects it
 
   std::optional<TaskKind> task;             ///< what it was told to do
   std::optional<Eigen::Vector2d> goal{};    ///< of a task that leads to a place, in W [m]

@@ -11,6 +11,7 @@
 #include "adapters/missions/run/configured_record.h"
 #include "adapters/missions/run/summary.h"
 #include "adapters/missions/run/unmeasured.h"
+#include "engine/maps/correction.h"
 #include "engine/planner/planning_step.h"
 #include "engine/terms/builtin_terms.h"
 
@@ -226,6 +227,7 @@ struct RunRecorder::Impl {
   SparseCostsToGo costs_to_go;
   SparsePlans plans;
   std::vector<StepRecord> steps;
+  int corrections = 0;  // up to the step before
 
   StepRecord record_of(const MissionStep& step);
   void add(const MissionStep& step);
@@ -286,6 +288,16 @@ StepRecord RunRecorder::Impl::record_of(const MissionStep& step) {
   r.certificate = plan.certified ? plan.certificate : plan.detail;
   r.guard_stops = step.guard_stops;
   if (step.guard_stops > 0) r.guard_reason = step.guard_reason;
+  if (const MapFrame* frame = belief.map_frame.get()) {
+    r.map_frame =
+        MapFrameRecord{frame->origin, frame->taken, frame->refused + frame->cannot_follow};
+    if (frame->taken > corrections && frame->newest) {
+      r.map_frame->distance = frame->newest->distance;
+      r.map_frame->turn = frame->newest->turn;
+      r.map_frame->why = frame->newest->why;
+    }
+    corrections = frame->taken;
+  }
   r.wall = {plan.times.total, plan.times.frontier_planner, plan.times.clearance, plan.times.views,
             plan.times.seeds, plan.times.polish,           plan.times.certify};
   r.age = plan.age;

@@ -16,7 +16,8 @@
 namespace prospect {
 namespace {
 
-constexpr unsigned kShown = kSteps | kPage, kTimed = kTiming | kPage;
+constexpr unsigned kShown = kSteps | kPage, kTimed = kTiming | kPage,
+                   kOfCorrections = kShown | kCorrected;
 
 template <class Member>
 constexpr bool kIsWord = false;
@@ -148,6 +149,14 @@ auto of_goal(Step& s, int axis) -> decltype(&(*s.goal)[axis]) {
   }
   return s.goal ? &(*s.goal)[axis] : nullptr;
 }
+/// A member of where the map's frame is; none: nobody corrects it.
+template <class Step, class Member>
+auto of_map_frame(Step& s, Member member) -> decltype(member(*s.map_frame)) {
+  if constexpr (!std::is_const_v<Step>) {
+    if (!s.map_frame) s.map_frame.emplace();
+  }
+  return s.map_frame ? member(*s.map_frame) : nullptr;
+}
 /// A member of the explanation; none: there is no plan.
 template <class Step, class Member>
 auto of_explanation(Step& s, Member member) -> decltype(&(s.explanation.*member)) {
@@ -175,21 +184,26 @@ StepValue raw_value(const StepRecord& s, std::string_view name) {
   return {};
 }
 
-constexpr std::string_view kTruePose =
-                               "true pose; the frames agree at the start; yaw is not wrapped",
-                           kEstimatedPose = "pose that the robot believes",
-                           kFirstCommand = "the first command of the plan, in the body frame",
-                           kOfTheSolve = "evaluations of this step's solve",
-                           kAge =
-                               "how much older than the plan the belief is of which it has its "
-                               "landmarks, frontiers and cost-to-go, distances to obstacles: "
-                               "0 but where there was no time for newer ones, or frontiers "
-                               "were prepared",
-                           kGoalPose =
-                               "where to, empty if it leads nowhere or, of the yaw, if any will do",
-                           kTargetPlace =
-                               "where the frontiers want the robot, empty without a target",
-                           kTargetSeen = "the frontier cell that is seen from there";
+constexpr std::string_view
+    kTruePose = "true pose; the frames agree at the start; yaw is not wrapped",
+    kEstimatedPose = "pose that the robot believes",
+    kFirstCommand = "the first command of the plan, in the body frame",
+    kOfTheSolve = "evaluations of this step's solve",
+    kAge =
+        "how much older than the plan the belief is of which it has its "
+        "landmarks, frontiers and cost-to-go, distances to obstacles: "
+        "0 but where there was no time for newer ones, or frontiers "
+        "were prepared",
+    kGoalPose = "where to, empty if it leads nowhere or, of the yaw, if any will do",
+    kTargetPlace = "where the frontiers want the robot, empty without a target",
+    kMapOrigin =
+        "where the frame of the poses lies in that of the map; this and what "
+        "follows of corrections only where there may be "
+        "[some](models.md#frames)",
+    kCorrection =
+        "by how far the robot and its heading moved in the map since the "
+        "step before",
+    kTargetSeen = "the frontier cell that is seen from there";
 
 constexpr StepField kStepFields[] = {
     field("step", "", kSteps | kTiming, 1, "planning step from 0", [](auto& s) { return &s.step; }),
@@ -253,8 +267,7 @@ constexpr StepField kStepFields[] = {
           [](auto& s) { return &s.gradient_evaluations; }),
     field("stop_reason", "", kShown, 34, "why the solver stopped",
           [](auto& s) { return &s.stop_reason; }),
-    field("quality", "", kShown, 35, "how good its result is",
-          [](auto& s) { return &s.quality; }),
+    field("quality", "", kShown, 35, "how good its result is", [](auto& s) { return &s.quality; }),
     field("certified", "", kShown, 36, "1 if the plan was proved safe to drive",
           [](auto& s) { return &s.certified; }),
     field("active_frontiers", "", kShown, 30, "frontiers that still attract",
@@ -310,10 +323,26 @@ constexpr StepField kStepFields[] = {
         "`term_NAME`. Those of features and exploration are scaled by the [mode](behaviour.md), "
         "that of the features is "
         "[bounded](formulation.md#7-the-problem-enginetermsproblem_specificationh)"),
+    field("map_x", "m", kOfCorrections, 62, kMapOrigin,
+          [](auto& s) { return of_map_frame(s, [](auto& m) { return &m.origin.position.x(); }); }),
+    field("map_y", "m", kOfCorrections, 63, kMapOrigin,
+          [](auto& s) { return of_map_frame(s, [](auto& m) { return &m.origin.position.y(); }); }),
+    field("map_yaw", "rad", kOfCorrections, 64, kMapOrigin,
+          [](auto& s) { return of_map_frame(s, [](auto& m) { return &m.origin.yaw; }); }),
+    field("corrections", "", kOfCorrections, 65, "of the map, so far",
+          [](auto& s) { return of_map_frame(s, [](auto& m) { return &m.taken; }); }),
+    field("corrections_refused", "", kOfCorrections, 66, "likewise, that were not taken",
+          [](auto& s) { return of_map_frame(s, [](auto& m) { return &m.refused; }); }),
+    field("corrected_by", "m", kOfCorrections, 67, kCorrection,
+          [](auto& s) { return of_map_frame(s, [](auto& m) { return &m.distance; }); }),
+    field("corrected_turn", "rad", kOfCorrections, 68, kCorrection,
+          [](auto& s) { return of_map_frame(s, [](auto& m) { return &m.turn; }); }),
     field("certificate", "", kShown, 37, "how the plan was proved safe, or why not",
           [](auto& s) { return &s.certificate; }),
     field("why", "", kShown, 0, "what it does and why, in a sentence with the numbers of this step",
           [](auto& s) { return &s.why; }),
+    field("corrected_why", "", kOfCorrections, 69, "who corrected it",
+          [](auto& s) { return of_map_frame(s, [](auto& m) { return &m.why; }); }),
     field("plan_ms", "ms", kTimed, 42, "wall-clock time of the whole planning step",
           [](auto& s) { return &s.wall.plan; }),
     field("frontiers_ms", "ms", kTimed, 43, "time for frontiers and cost-to-go",

@@ -33,9 +33,10 @@ enum class FieldType {
 
 /// Which tables a field is a column of.
 enum StepTables : unsigned {
-  kSteps = 1,   ///< steps.csv
-  kTiming = 2,  ///< timing.csv
-  kPage = 4     ///< report and live page
+  kSteps = 1,     ///< steps.csv
+  kTiming = 2,    ///< timing.csv
+  kPage = 4,      ///< report and live page
+  kCorrected = 8  ///< with kSteps: only of a run whose map may be corrected
 };
 
 /// Whether there is one of a field, or one for each name.

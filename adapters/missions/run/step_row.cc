@@ -18,7 +18,9 @@ void visit_columns(const StepColumns& columns, const Visit& visit) {
     const FieldPer per = fields[i].per;
     std::size_t end = i + 1;
     if (per == FieldPer::kStep) {
-      if (fields[i].in(kSteps)) visit(fields[i], "");
+      if (fields[i].in(kSteps) && (columns.corrected || !fields[i].in(kCorrected))) {
+        visit(fields[i], "");
+      }
     } else {
       while (end < fields.size() && fields[end].per == per) ++end;
       for (const std::string& name : per == FieldPer::kTerm ? columns.terms : columns.weights) {
@@ -36,6 +38,7 @@ StepColumns step_columns(const std::vector<StepRecord>& steps) {
   for (const StepRecord& step : steps) {
     for (const TermValue& term : step.explanation.terms) columns.terms.push_back(term.name);
     for (const TermWeight& weight : step.weights) columns.weights.push_back(weight.name);
+    columns.corrected = columns.corrected || step.map_frame.has_value();
     if (!columns.empty()) break;
   }
   return columns;

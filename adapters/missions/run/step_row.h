@@ -11,6 +11,7 @@ namespace prospect {
 struct StepColumns {
   std::vector<std::string> terms;
   std::vector<std::string> weights;  ///< names of the costs whose weights are known
+  bool corrected = false;            ///< with those of corrections of the map
   bool empty() const { return terms.empty(); }
 };
 /// Those of the first step that has any terms.

@@ -487,6 +487,34 @@ void add_until(CLI::App* command, ConfigurationArguments& arguments) {
       "mission.until.coverage, mission.until.area");
 }
 
+/// "--correct 20:3,0,30", again and again: simulator.corrections.
+void add_correct(CLI::App* command, ConfigurationArguments& arguments) {
+  command
+      ->add_option_function<std::vector<std::string>>(
+          "--correct",
+          [&arguments](const std::vector<std::string>& corrections) {
+            std::string list;
+            for (const std::string& text : corrections) {
+              const bool sound = std::count(text.begin(), text.end(), ':') == 1 &&
+                                 text.find(':') < text.find(',') &&
+                                 std::count(text.begin(), text.end(), ',') == 2;
+              if (!sound) {
+                throw InputError("--correct: '" + text +
+                                 "'; expected T:X,Y,DEG, such as 20:3,0,30");
+              }
+              for (const char c : list.empty() ? text : ',' + text) {
+                list += c == ':' || c == ',' ? ", " : std::string(1, c);
+              }
+            }
+            arguments.spelled.emplace_back("simulator.corrections=[" + list + "]",
+                                           "--correct " + joined(corrections, " "));
+          },
+          "Correct the map's frame at T s: what was at p is at p turned by DEG, moved by X, Y m; "
+          "key simulator.corrections")
+      ->type_name("T:X,Y,DEG")
+      ->allow_extra_args(false);
+}
+
 }  // namespace
 
 void add_check_option(CLI::App* command, ExploreArguments& arguments) {
@@ -528,6 +556,7 @@ void add_world_options(CLI::App* command, ExploreArguments& arguments) {
   add_world_keys(command, arguments.configuration);
   add_until(command, arguments.configuration);
   add_key(command, arguments.configuration, {"--map", "simulator.map", "FILE"});
+  add_correct(command, arguments.configuration);
 }
 
 void add_mission_options(CLI::App* command, ExploreArguments& arguments) {

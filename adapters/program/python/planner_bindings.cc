@@ -21,6 +21,7 @@
 #include "adapters/program/python/motion_arrays.h"
 #include "adapters/program/python/python_problem.h"
 #include "adapters/program/python/python_solver.h"
+#include "engine/maps/correction.h"
 #include "engine/maps/map_projection.h"
 #include "engine/planner/planner.h"
 #include "models/nearest_name.h"
@@ -182,7 +183,8 @@ std::shared_ptr<Belief> make_belief(const Maps& maps, const ArrayLike& pose, dou
                                     const ArrayLike& velocity,
                                     const std::optional<ArrayLike>& command,
                                     const std::shared_ptr<LandmarkMap>& landmarks,
-                                    const std::string& localization, int tracked_features) {
+                                    const std::string& localization, int tracked_features,
+                                    const std::optional<ArrayLike>& map_frame) {
   auto b = std::make_shared<Belief>();
   b->set_stamps(stamp);
   const Eigen::VectorXd p = vector_of(pose, 4, "pose");
@@ -200,6 +202,12 @@ std::shared_ptr<Belief> make_belief(const Maps& maps, const ArrayLike& pose, dou
   b->localization_source =
       landmarks ? LocalizationSource::kVisualOdometry : LocalizationSource::kExternal;
   b->tracked_features = tracked_features;
+  if (map_frame) {
+    const Eigen::VectorXd origin = vector_of(*map_frame, 3, "map_frame");
+    auto frame = std::make_shared<MapFrame>();
+    frame->origin = {{origin[0], origin[1], 0.0}, origin[2]};
+    b->map_frame = std::move(frame);
+  }
   b->octree = maps.maps.octree;
   b->voxels = maps.maps.voxels;
   b->ground = maps.maps.ground;
@@ -395,13 +403,22 @@ void bind_belief(py::module_& m) {
            py::arg("stamp"), py::arg("covariance") = py::none(),
            py::arg("velocity") = std::vector<double>(4, 0.0), py::arg("command") = py::none(),
            py::arg("landmarks") = py::none(), py::arg("localization") = "ok",
-           py::arg("tracked_features") = 0,
+           py::arg("tracked_features") = 0, py::arg("map_frame") = py::none(),
            "pose: (4,), x, y, z [m], yaw [rad]. stamp: [s], of all that is in it. covariance: "
            "(4, 4) of the pose's error [exact]. velocity, command: (4,), vx, vy, vz [m/s], yaw "
            "rate [rad/s], estimated and in force. landmarks: of a robot that is located by its "
            "cameras [none: it is located by something else]. localization: 'ok', 'degraded' or "
-           "'lost'. tracked_features: in the newest image.")
+           "'lost'. tracked_features: in the newest image. map_frame: (3,), x, y [m], yaw [rad] of "
+           "W in "
+           "the frame of goals and zones [the same]: another one corrects it.")
       .def_readonly("stamp", &Belief::stamp, "[s]")
+      .def_property_readonly(
+          "map_frame",
+          [](const Belief& b) {
+            const Pose origin = origin_of(b.map_frame.get());
+            return array_of(Eigen::Vector3d(origin.position.x(), origin.position.y(), origin.yaw));
+          },
+          "(3,): x, y [m], yaw [rad] of W in the frame of goals and zones.")
       .def_property_readonly(
           "pose", [](const Belief& b) { return array_of(b.pose); }, "(4,): x, y, z [m], yaw [rad].")
       .def_property_readonly(

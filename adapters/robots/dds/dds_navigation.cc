@@ -12,6 +12,7 @@
 #include "adapters/robots/dds/dds_commands.h"
 #include "adapters/robots/dds/dds_service.h"
 #include "engine/maps/belief.h"
+#include "engine/maps/correction.h"
 
 namespace prospect {
 namespace {
@@ -163,11 +164,12 @@ struct DdsNavigation::Impl {
     ros::NavigateToPoseFeedbackMessage m;
     m.goal_id = goal.info.goal_id;
     m.feedback.current_pose.header = {base.ros_time(belief.stamp), options.frames.map};
-    m.feedback.current_pose.pose = ros::pose_message(belief.pose);
+    const Pose pose = belief.map_frame ? belief.map_frame->to_map(belief.pose) : belief.pose;
+    m.feedback.current_pose.pose = ros::pose_message(pose);
     const ros::Time taken = ros::time_of(now - goal.since);
     m.feedback.navigation_time = {taken.sec, taken.nanosec};
     m.feedback.distance_remaining =
-        static_cast<float>((goal.place - belief.pose.position.head<2>()).norm());
+        static_cast<float>((goal.place - pose.position.head<2>()).norm());
     node.publish(feedback, m);
   }
 

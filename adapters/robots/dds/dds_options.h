@@ -20,7 +20,7 @@ struct DdsOptions {
   std::string clock = "/clock";  ///< rosgraph_msgs/msg/Clock
 
   struct Frames {
-    std::string map = "map";         ///< W, which the mission's own estimate is in
+    std::string map = "map";         ///< the map's; W's, until it is corrected (correction.h)
     std::string odom = "odom";       ///< of the base's odometry
     std::string base = "base_link";  ///< B
   } frames;

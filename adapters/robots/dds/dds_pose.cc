@@ -83,6 +83,7 @@ struct DdsPose::Impl {
       known.diagonal() << s * s, s * s, 0.0, 0.0, 0.0, yaw * yaw;
     }
     pose.covariance = of_body(known, arm);
+    pose.T_OB = transforms.find(options.frames.odom, options.frames.base, stamp);
     inbox.observe(pose);
     if (base) base->add_pose(stamp, T_WB);
     const std::lock_guard lock(mutex);

@@ -19,6 +19,10 @@ namespace prospect {
 /// frames.base, tf must know where it is on the body. The covariance of (x, y, yaw) is that of the
 /// message, carried over to B; where none is told, or zero, it is of pose.sigma and pose.sigma_yaw.
 ///
+/// Where tf knows frames.base in frames.odom, that goes with each pose: so a jump of the pose which
+/// the odometry did not make is a correction of the map (pose_jump.h), as map -> odom that is told
+/// anew.
+///
 /// A message with another frame, without a stamp, or that is no pose is left out, and is a fault of
 /// its topic (DdsNode::fault()). Declares its topics on the node: make it before DdsNode::start().
 /// Inbox, transforms, base and node must outlive it, and the first three the node's thread.

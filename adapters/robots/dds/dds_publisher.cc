@@ -16,6 +16,7 @@
 #include "adapters/formats/ros/pose_message.h"
 #include "adapters/formats/ros/tf2_msgs.h"
 #include "adapters/formats/ros/visualization_msgs.h"
+#include "engine/maps/correction.h"
 #include "engine/planner/planner.h"
 #include "runtime/driver.h"
 
@@ -39,8 +40,20 @@ ros::TransformStamped transform(const ros::Header& header, const std::string& ch
   return {header, child, {{t.x(), t.y(), t.z()}, {q.x(), q.y(), q.z(), q.w()}}};
 }
 
-ros::OccupancyGrid grid_message(const ros::Header& header, const GroundMap& ground,
+/// What is in W, in the map's frame as it is now.
+Pose in_map(const Pose& pose, const Belief& belief) {
+  return belief.map_frame ? belief.map_frame->to_map(pose) : pose;
+}
+
+bool is_turned(const Belief& belief) {
+  const Pose origin = origin_of(belief.map_frame.get());
+  return !origin.position.isZero(0.0) || origin.yaw != 0.0;
+}
+
+/// The lower left corner of the cells may lie anywhere in the map, turned.
+ros::OccupancyGrid grid_message(const ros::Header& header, const Belief& belief,
                                 std::vector<std::int8_t>& cells) {
+  const GroundMap& ground = *belief.ground;
   const GridFrame& frame = ground.frame();
   ros::OccupancyGrid m;
   m.header = header;
@@ -48,7 +61,9 @@ ros::OccupancyGrid grid_message(const ros::Header& header, const GroundMap& grou
   m.info.resolution = static_cast<float>(frame.resolution);
   m.info.width = static_cast<std::uint32_t>(frame.width);
   m.info.height = static_cast<std::uint32_t>(frame.height);
-  m.info.origin.position = {frame.i0 * frame.resolution, frame.j0 * frame.resolution, 0.0};
+  const Pose corner =
+      in_map({{frame.i0 * frame.resolution, frame.j0 * frame.resolution, 0.0}, 0.0}, belief);
+  m.info.origin = ros::pose_message(corner);
   cells.resize(static_cast<std::size_t>(frame.size()));
   for (int n = 0; n < frame.size(); ++n) {
     const CellState state = ground.state(frame.at(n));
@@ -118,8 +133,9 @@ struct DdsPublisher::Impl {
     if (transforms < 0 || !T_odom_base) return;
     ros::TFMessage m;
     if (options.output.transforms) {
-      m.transforms.push_back(transform(header, options.frames.odom,
-                                       isometry_of(belief.pose) * T_odom_base->inverse()));
+      m.transforms.push_back(
+          transform(header, options.frames.odom,
+                    isometry_of(in_map(belief.pose, belief)) * T_odom_base->inverse()));
     }
     if (options.output.odom_transform) {
       m.transforms.push_back(
@@ -147,11 +163,12 @@ struct DdsPublisher::Impl {
     target.scale = {0.5, 0.1, 0.1};
     if (step.global_plan != nullptr && step.global_plan->target) {
       const FrontierTarget& to = *step.global_plan->target;
-      target.pose = {{to.viewpoint.x(), to.viewpoint.y(), 0.1}, ros::turned_by(to.yaw)};
+      target.pose = ros::pose_message(
+          in_map({{to.viewpoint.x(), to.viewpoint.y(), 0.1}, to.yaw}, *step.belief));
     } else if (step.plan->goal) {
       const Goal& goal = *step.plan->goal;
-      target.pose = {{goal.position.x(), goal.position.y(), 0.1},
-                     ros::turned_by(goal.yaw.value_or(0.0))};
+      target.pose = ros::pose_message(in_map(
+          {{goal.position.x(), goal.position.y(), 0.1}, goal.yaw.value_or(0.0)}, *step.belief));
     } else {
       target.action = ros::Marker::kDelete;
     }
@@ -170,7 +187,7 @@ struct DdsPublisher::Impl {
       const std::vector<Landmark>& landmarks = step.belief->landmarks->landmarks;
       const std::size_t every = landmarks.size() / kMostLandmarks + 1;
       for (std::size_t i = 0; i < landmarks.size(); i += every) {
-        points.points.push_back(point(landmarks[i].position));
+        points.points.push_back(point(in_map({landmarks[i].position, 0.0}, *step.belief).position));
       }
     }
     if (points.points.empty()) points.action = ros::Marker::kDelete;
@@ -208,6 +225,16 @@ struct DdsPublisher::Impl {
     else if (belief.localization != Localization::kOk)
       localization.level = Status::kWarn;
     localization.values = {{"tracked features", std::to_string(belief.tracked_features)}};
+    if (const MapFrame* frame = belief.map_frame.get()) {
+      localization.values.push_back({"corrections", std::to_string(frame->taken)});
+      localization.values.push_back(
+          {"corrections refused", std::to_string(frame->refused + frame->cannot_follow)});
+      if (frame->newest) localization.values.push_back({"corrected", to_text(*frame->newest)});
+      if (is_turned(belief)) {
+        localization.values.push_back(
+            {"octomap", "cannot follow: not published since the map was corrected"});
+      }
+    }
     m.status.push_back(std::move(localization));
 
     m.status.push_back(topics_status());
@@ -266,10 +293,10 @@ struct DdsPublisher::Impl {
     next_map = now + options.output.map_period;
     if (map >= 0 && belief.ground) {
       std::vector<std::int8_t> cells;
-      const ros::OccupancyGrid m = grid_message(header, *belief.ground, cells);
+      const ros::OccupancyGrid m = grid_message(header, belief, cells);
       node.publish(map, m, cells.size());
     }
-    if (octree >= 0 && belief.octree) {
+    if (octree >= 0 && belief.octree && !is_turned(belief)) {
       std::string bytes;
       const ros::Octomap m = octomap_message(header, *belief.octree, bytes);
       node.publish(octree, m, bytes.size());
@@ -302,7 +329,9 @@ void DdsPublisher::on_step(const MissionStep& step) {
   const Belief& belief = *step.belief;
   const ros::Header header = impl_->header_of(belief);
   std::vector<Pose> poses;
-  for (const Eigen::VectorXd& x : step.plan->states) poses.push_back(impl_->model->pose(x));
+  for (const Eigen::VectorXd& x : step.plan->states) {
+    poses.push_back(in_map(impl_->model->pose(x), belief));
+  }
   impl_->publish_path(*step.plan, poses);
   impl_->publish_markers(header, step, poses);
   impl_->publish_diagnostics(header, step);

@@ -12,6 +12,8 @@
 #include "adapters/robots/simulator/known_free.h"
 #include "adapters/robots/simulator/noise_stream.h"
 #include "adapters/robots/simulator/seen_area.h"
+#include "engine/maps/correction.h"
+#include "models/body_transform.h"
 #include "models/knobs.h"
 #include "models/parameter_check.h"
 
@@ -55,6 +57,8 @@ struct Simulator::Impl {
   std::int64_t images = 0;  // taken so far; the next one is due at images / image_rate
   std::int64_t scans = 0;
   Twist twist;  // being executed
+  Corrections corrections;
+  std::size_t corrected = 0;  // of the options', how many were told
 
   Impl(std::shared_ptr<const World> w, const SimulatorOptions& o, PerceptionOptions perception)
       : world(not_null(std::move(w))),
@@ -72,6 +76,7 @@ struct Simulator::Impl {
     } else {
       sensors = std::make_unique<FeatureSensors>(*world, o, perception, robot.pose(), cleared);
     }
+    if (!o.corrections.empty()) corrections.expect();
     if (o.map) seen.know(*sensors->belief(time, robot.pose(), twist)->ground);
     scan();
     image();
@@ -79,6 +84,18 @@ struct Simulator::Impl {
     if (!complaint.empty()) throw std::invalid_argument("sensors at the start: " + complaint);
   }
 
+  void correct() {
+    constexpr double kInstant = 1e-9;
+    for (; corrected < options.corrections.size(); ++corrected) {
+      const ScheduledCorrection& told = options.corrections[corrected];
+      if (!(told.time <= time + kInstant)) return;
+      Correction correction;
+      correction.stamp = told.time;
+      correction.T_new_old = body_transform({{told.x, told.y, 0.0}, told.yaw});
+      correction.why = "as the mission was told";
+      corrections.take(correction, sensors->estimate(time, robot.pose()));
+    }
+  }
   void scan() {
     ++scans;
     sensors->scan(time, robot.pose(), seen);
@@ -97,7 +114,13 @@ Simulator::Simulator(std::shared_ptr<const World> world, const SimulatorOptions&
 Simulator::~Simulator() = default;
 
 std::shared_ptr<const Belief> Simulator::sense() {
-  return impl_->sensors->belief(impl_->time, impl_->robot.pose(), impl_->twist);
+  Impl& s = *impl_;
+  s.correct();
+  std::shared_ptr<const Belief> belief = s.sensors->belief(s.time, s.robot.pose(), s.twist);
+  if (!s.corrections.frame()) return belief;
+  auto corrected = std::make_shared<Belief>(*belief);
+  corrected->map_frame = s.corrections.frame();
+  return corrected;
 }
 
 void Simulator::apply(const Twist& twist, double duration) {

@@ -4,6 +4,7 @@
 #include <limits>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "adapters/robots/simulator/camera_rig.h"
 #include "adapters/robots/simulator/depth_camera.h"
@@ -53,6 +54,12 @@ constexpr WheelNoise kSimulatedWheels{
 /// err. Inputs come at once, so none waits for a pose (max_ahead).
 PerceptionOptions simulated_perception(const WheelNoise& wheels = kSimulatedWheels);
 
+/// A correction of the map's frame that somebody makes at `time` [s] (correction.h): a place that
+/// was at p is at R(yaw) p + (x, y) [m], [rad] then.
+struct ScheduledCorrection {
+  double time = 0.0, x = 0.0, y = 0.0, yaw = 0.0;
+};
+
 /// Everything a simulated mission depends on besides its world, the robot's perception and the
 /// commands.
 struct SimulatorOptions {
@@ -80,6 +87,7 @@ struct SimulatorOptions {
   std::shared_ptr<const octomap::OcTree> map{};
 
   CameraSensorsOptions camera;
+  std::vector<ScheduledCorrection> corrections{};  ///< by time
 };
 
 /// The knobs (models/knobs.h): all that does not come from the robot, the world or the command

@@ -17,6 +17,7 @@
 #include "adapters/views/live/access.h"
 #include "adapters/views/live/foxglove_protocol.h"
 #include "adapters/views/page/landmark_picture.h"
+#include "engine/task/moved.h"
 
 namespace prospect {
 namespace {
@@ -65,6 +66,7 @@ struct FoxgloveShow::Impl {
   std::set<class FoxgloveViewer*> viewers;
   const std::string session = make_token();
   double stamp = 0.0;  // [s] of the newest pose or step
+  Pose map_origin;     // of what is shown, in the frame that goals are told in
   MissionMessages messages;
 };
 
@@ -193,7 +195,7 @@ class FoxgloveViewer final : public Viewer {
         !goal ? "no pose; expected geometry_msgs/msg/PoseStamped in " + channel->second
         : !goal->frame.empty() && goal->frame != kMapFrame
             ? "a pose in the frame '" + goal->frame + "'; expected one in " + kMapFrame
-            : show_.commands.go(goal->place);
+            : show_.commands.go(moved(goal->place, show_.map_origin));
     if (!refused.empty()) say(foxglove::status(foxglove::Level::kError, "go: " + refused));
     return true;
   }
@@ -271,6 +273,7 @@ void FoxgloveShow::add(const LiveFeed::News& news) {
   }
   for (const auto& step : news.steps) {
     impl_->stamp = step->stamp;
+    if (step->map_frame) impl_->map_origin = step->map_frame->origin;
     messages.step(*step);
   }
   if (!news.events.empty()) messages.events(news.events);

@@ -168,7 +168,7 @@ page.canvas.addEventListener("pointerdown", (e) => { down = [e.offsetX, e.offset
 page.canvas.addEventListener("click", (e) => {
   // A drag moves the map and is no click.
   if (!going || !down || Math.hypot(e.offsetX - down[0], e.offsetY - down[1]) > 4) return;
-  const [x, y] = page.toWorld(e.offsetX, e.offsetY);
+  const [x, y] = page.toMap(page.toWorld(e.offsetX, e.offsetY));
   setGoing(false);
   command("go", { x, y });
 });

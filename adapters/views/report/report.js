@@ -298,11 +298,23 @@ function readColors() {
 }
 
 const zones = run.zones;
+// Where the frame of the poses lies in that of the map, in which goals and zones are told.
+const mapOrigin = (k) => (isNumber(column.map_x[k]) ? [column.map_x[k], column.map_y[k], column.map_yaw[k]] : [0, 0, 0]);
+const toMap = ([x, y], k) => {
+  const [ox, oy, yaw] = mapOrigin(k), c = Math.cos(yaw), s = Math.sin(yaw);
+  return [ox + c * x - s * y, oy + s * x + c * y];
+};
+const fromMap = ([x, y], k) => {
+  const [ox, oy, yaw] = mapOrigin(k), c = Math.cos(yaw), s = Math.sin(yaw);
+  return [c * (x - ox) + s * (y - oy), c * (y - oy) - s * (x - ox)];
+};
+const isCorrected = () => column.corrected_by.some(isNumber);
 const hasZones = () => Boolean(zones.bound || zones.area || zones.keep_out.length || zones.slow.length || column.goal_x.some(isNumber));
 // A layer is there once there is something to be seen in it.
 const layerList = [
   ["estimated", "estimated path", "", "background:var(--estimated)", true, () => true],
   ["true", "true path", "", "background:var(--true)", true, () => true],
+  ["corrected", "path as told before corrections", "", "background:var(--warn)", true, isCorrected],
   ["horizon", "plan", "", "background:var(--horizon)", true, () => true],
   ["target", "target", "ring", "border-color:var(--target)", true, () => column.way_left.some(isNumber)],
   ["zones", "zones and goal", "cell", "background:rgba(var(--keep-out),.3)", true, hasZones],
@@ -484,14 +496,14 @@ function label(text, sx, sy, color) {
 // What it was told of the ground: keep-outs hatched, slow zones tinted with their limit, the bound
 // and the area to explore as lines.
 function outline(corners) {
-  trace(corners);
+  trace(corners.map((p) => fromMap(p, step)));
   pen.closePath();
 }
 function drawZones() {
   const keepOut = `rgb(${colors["keep-out"]})`, slow = `rgb(${colors.slow})`;
   const note = (text, corners, color) => {
     const [x, y] = corners.reduce((sum, p) => [sum[0] + p[0] / corners.length, sum[1] + p[1] / corners.length], [0, 0]);
-    const [sx, sy] = toScreen(x, y);
+    const [sx, sy] = toScreen(...fromMap([x, y], step));
     pen.font = getComputedStyle(document.body).font.replace(/\d+px/, "12px");
     pen.textAlign = "center"; pen.textBaseline = "middle";
     pen.strokeStyle = colors.halo; pen.lineWidth = 3.5; pen.strokeText(text, sx, sy);
@@ -504,7 +516,7 @@ function drawZones() {
     note(`${fixed(limit, 2)} m/s`, area, slow);
   }
   for (const area of zones.keep_out) {
-    const points = area.map(([x, y]) => toScreen(x, y));
+    const points = area.map((p) => toScreen(...fromMap(p, step)));
     pen.save();
     outline(area);
     pen.clip();
@@ -543,6 +555,20 @@ function drawGoal() {
   label(word.task[step] === "return" ? "start" : "goal", sx, sy, colors.target);
   return true;
 }
+// Where the map had the robot when it was there, as the map is now: it parts from the path at each correction.
+function drawCorrections() {
+  const told = Array.from({ length: step + 1 }, (_, k) => fromMap(toMap([column.estimated_x[k], column.estimated_y[k]], k), step));
+  pen.setLineDash([4, 4]);
+  path(told.map((p) => p[0]), told.map((p) => p[1]), step, colors.warn, 1.5);
+  pen.setLineDash([]);
+  for (let k = 0; k <= step; ++k) {
+    if (!isNumber(column.corrected_by[k])) continue;
+    const [sx, sy] = toScreen(column.estimated_x[k], column.estimated_y[k]);
+    pen.beginPath(); pen.arc(sx, sy, 4, 0, 2 * Math.PI); pen.fillStyle = colors.warn; pen.fill();
+    label(correctionText(k), sx, sy, colors.warn);
+  }
+}
+const correctionText = (k) => `${fixed(column.corrected_by[k], 2)} m, ${fixed(column.corrected_turn[k] * 180 / Math.PI, 1)}°`;
 // Where the robot goes: a line to the viewpoint, and from there to what it will see.
 function drawTarget() {
   const x = column.target_x[step], y = column.target_y[step];
@@ -648,6 +674,7 @@ function draw() {
     }
   }
   if (layers.true) path(column.true_x, column.true_y, step, colors.true, 1.25);
+  if (layers.corrected) drawCorrections();
   const by = pathColors[pathColor.value];
   if (layers.estimated && by) coloredPath(column.estimated_x, column.estimated_y, step, by);
   else if (layers.estimated) path(column.estimated_x, column.estimated_y, step, colors.estimated, 2);
@@ -956,6 +983,9 @@ const nowFields = (() => {
     const change = word.target_change[k] ? `; new: ${word.target_change[k]}` : "";
     return `${way}, frontier of ${fixed(column.target_length[k], 1)} m, promises ${fixed(column.target_area[k], 1)} m²${change}`;
   }, { there: modes, wide: true });
+  add("Map corrected", (k) => (isNumber(column.corrected_by[k]) ? `by ${correctionText(k)}: ${word.corrected_why[k]}`
+    : plural(column.corrections[k], "time")) + (column.corrections_refused[k] > 0 ? `, ${column.corrections_refused[k]} refused` : ""),
+    { there: () => column.map_x.some(isNumber), wide: true, tone: (k) => (isNumber(column.corrected_by[k]) ? "warn" : "") });
   add("Safety level", (k) => word.caution[k] || "–", { there: modes, tone: (k) => (careful(word.caution[k]) ? "warn" : "") });
   add("Coverage", (k) => `${percent(column.coverage[k])} %, ${fixed(column.area[k], 1)} m²`);
   add("Path", (k) => `${fixed(column.path_length[k], 1)} m`);
@@ -1269,6 +1299,7 @@ return {
   keepView(on) { view.kept = on; },
   // Where the robot is by now.
   setPose(now) { pose = now; if (step === n - 1) draw(); },
+  toMap: (p) => toMap(p, n - 1),
   toWorld: (sx, sy) => [view.x + (sx - boxWidth / 2) / view.scale, view.y + (boxHeight / 2 - sy) / view.scale],
 };
 })();

@@ -28,7 +28,7 @@ TEST(GlobalPlanner, LeadsToWhatTheTaskSays) {
 
   r.parameters.task.kind = TaskKind::kGoTo;
   r.parameters.task.goal.position = {0.6, 0.4};
-  r.planner.restart_task();
+  r.planner.restart_task(r.parameters.task);
   r.step();
   EXPECT_TRUE(r.whole.goal.has_value());
   EXPECT_FALSE(r.whole.frontiers.has_value());
@@ -36,7 +36,7 @@ TEST(GlobalPlanner, LeadsToWhatTheTaskSays) {
   EXPECT_EQ(r.planner.goal()->position, Eigen::Vector2d(0.6, 0.4));
 
   r.parameters.task.kind = TaskKind::kHold;
-  r.planner.restart_task();
+  r.planner.restart_task(r.parameters.task);
   const auto stays = r.step();
   EXPECT_FALSE(stays->target.has_value());
   EXPECT_NE(stays->cost_to_go, nullptr);
@@ -50,7 +50,7 @@ TEST(GlobalPlanner, ReturnsToWhereItWasFirst) {
   r.scene.belief.pose.position.x() += 0.5;
   r.scene.belief.stamp = 1.0;
   r.parameters.task.kind = TaskKind::kReturn;
-  r.planner.restart_task();
+  r.planner.restart_task(r.parameters.task);
   r.step();
   ASSERT_TRUE(r.planner.goal().has_value());
   EXPECT_EQ(r.planner.goal()->position, first.position.head<2>());

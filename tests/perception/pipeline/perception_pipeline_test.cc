@@ -521,6 +521,75 @@ TEST(PerceptionPipeline, WhatWasMappedBeforeAPoseJumpedMayBeOffByTheJump) {
   EXPECT_NEAR(perception.belief()->covariance(0, 0), 0.65, 1e-12);
 }
 
+// SLAM corrects its map by 3 m and 30 degrees while the robot drives on.
+TEST(PerceptionPipeline, WhenTheMapIsCorrectedTheRobotGoesOnInW) {
+  const Isometry3d T_OW = body_transform({{-4.0, 2.0, 0.0}, 0.7});  // the odometry's own frame
+  const auto drive = [&](const std::vector<Isometry3d>& maps) {
+    PerceptionPipeline perception(options_with(false, false));
+    for (std::size_t k = 0; k < maps.size(); ++k) {
+      const double stamp = kBegin + 0.2 * static_cast<double>(k);
+      ExternalPose pose{.stamp = stamp, .T_WB = maps[k] * body_transform(truth(stamp))};
+      pose.T_OB = T_OW * body_transform(truth(stamp));
+      pose.covariance.diagonal() << 0.04, 0.01, 0.0, 0.01;
+      for (std::size_t m = 1; m <= k; ++m) {
+        pose.corrections += maps[m].matrix() != maps[m - 1].matrix();
+      }
+      EXPECT_EQ(perception.external_pose(pose).state, InputState::kTaken);
+      perception.scan(stamp, lidar());
+    }
+    return perception.belief();
+  };
+  const Isometry3d I = Isometry3d::Identity(), T = body_transform({{3.0, 0.0, 0.0}, M_PI / 6});
+  const auto plain = drive({I, I, I, I, I}), corrected = drive({I, I, T, T, I});
+  EXPECT_EQ(plain->map_frame, nullptr);
+  EXPECT_EQ(plain->voxels->data(), corrected->voxels->data()) << "nothing that was drawn moves";
+  EXPECT_LT((plain->pose.position - corrected->pose.position).norm(), 1e-9);
+  EXPECT_LT((plain->twist.linear - corrected->twist.linear).norm(), 1e-6) << "it is no motion";
+  EXPECT_LT((plain->covariance - corrected->covariance).norm(), 1e-12);
+  EXPECT_EQ(corrected->map_frame->taken, 2);
+  EXPECT_LT(corrected->map_frame->origin.position.norm(), 1e-9) << "there and back";
+
+  const auto there = drive({I, I, T});
+  EXPECT_LT((there->map_frame->origin.position - T.translation()).norm(), 1e-9);
+  EXPECT_NEAR(there->map_frame->origin.yaw, M_PI / 6, 1e-9);
+  EXPECT_NEAR(there->map_frame->newest->turn, M_PI / 6, 1e-9);
+  // Its covariance is told in the map.
+  const Eigen::Matrix2d R = Eigen::Rotation2Dd(-M_PI / 6).toRotationMatrix();
+  const Eigen::Matrix2d P = R * Eigen::Vector2d(0.04, 0.01).asDiagonal() * R.transpose();
+  EXPECT_LT((there->covariance.topLeftCorner<2, 2>() - P).norm(), 1e-12);
+}
+
+TEST(PerceptionPipeline, ACorrectionThatCannotBeIsRefusedAndSaid) {
+  PerceptionPipeline perception(options_with(false, false));
+  const auto tell = [&](double after, double x, int corrections, bool odometry = true) {
+    ExternalPose pose{.stamp = kBegin + after};
+    pose.T_WB.translation().x() = x;
+    if (odometry) pose.T_OB = Isometry3d::Identity();
+    pose.corrections = corrections;
+    return perception.external_pose(pose);
+  };
+  EXPECT_EQ(tell(0.0, 0.0, 0).state, InputState::kTaken);
+  const InputResult far = tell(0.1, 5000.0, 1);
+  EXPECT_EQ(far.state, InputState::kRefused);
+  EXPECT_NE(far.reason.find("expected at most 100 m"), std::string::npos) << far.reason;
+  EXPECT_EQ(perception.belief()->stamps.pose, kBegin) << "it gets old, and the guard stops";
+  EXPECT_EQ(perception.belief()->map_frame->refused, 1);
+  EXPECT_EQ(tell(0.2, 2.0, 2, false).state, InputState::kRefused) << "nobody says how it went on";
+  EXPECT_EQ(tell(0.3, 2.0, 2).state, InputState::kTaken);
+  EXPECT_EQ(perception.belief()->pose.position.x(), 0.0);
+  EXPECT_EQ(perception.belief()->map_frame->taken, 1);
+
+  // Of who keeps the map beside a robot that localizes itself.
+  PerceptionPipeline own = pipeline_with(options_with(false, false));
+  Correction correction;
+  correction.stamp = kBegin;
+  correction.T_new_old.translation().x() = 0.5;
+  EXPECT_EQ(own.correct(correction).state, InputState::kTaken);
+  correction.stamp = kNaN;
+  EXPECT_EQ(own.correct(correction).state, InputState::kRefused);
+  EXPECT_EQ(own.belief()->map_frame->origin.position.x(), 0.5);
+}
+
 TEST(PerceptionPipeline, WheelsAloneLocalizeAndTheirErrorGrowsWithTheWay) {
   PerceptionPipeline perception(options_with(true, true));
   EXPECT_EQ(perception.belief()->localization, Localization::kLost) << "nothing is heard";

@@ -20,6 +20,7 @@
 #include "adapters/formats/ros/diagnostic_msgs.h"
 #include "adapters/missions/log/planner_calls.h"
 #include "adapters/missions/log/step_messages.h"
+#include "engine/maps/correction.h"
 #include "engine/planner/planner.h"
 #include "tests/engine/room_belief.h"
 
@@ -129,6 +130,24 @@ TEST_F(DriveReplayTest, TheSameCallsMakeTheSamePlans) {
   ASSERT_EQ(made.replay.steps.size(), std::size_t{kSteps});
   EXPECT_EQ(made.replay.steps[1].other.task, TaskKind::kExplore);
   EXPECT_EQ(made.replay.steps[2].other.task, TaskKind::kGoTo);
+}
+
+TEST_F(DriveReplayTest, WhereWLiesInTheMapIsToldWhenItMoves) {
+  PlannerCallWriter writer;
+  PlannerCallReader reader;
+  Belief belief = test::Room{.seen = 2.0, .landmarks_per_wall = 10}.belief();
+  EXPECT_FALSE(writer.map_frame(belief));
+  EXPECT_EQ(reader.belief(writer.plan(belief), "").map_frame, nullptr);
+  auto frame = std::make_shared<MapFrame>();
+  frame->origin = {{3.0, -1.0 / 3.0, 0.0}, 0.1};
+  belief.map_frame = frame;
+  const auto moved = writer.map_frame(belief);
+  ASSERT_TRUE(moved);
+  reader.take_map_frame(ros::from_cdr<PlannerCall>(ros::to_cdr(*moved), "call"));
+  const Belief read = reader.belief(writer.plan(belief), "");
+  EXPECT_EQ(read.map_frame->origin.position, frame->origin.position);
+  EXPECT_EQ(read.map_frame->origin.yaw, 0.1);
+  EXPECT_FALSE(writer.map_frame(belief));
 }
 
 TEST_F(DriveReplayTest, APlanThatRestsOnOtherThingsDiffers) {
@@ -287,10 +306,10 @@ TEST_F(DriveReplayTest, WhatDriveDoesNotWriteIsRefused) {
   write(*calls_, kSteps, 0, ros::DiagnosticArray::kType);
   expect_refused([&] { replay(); }, std::string("expected ") + PlannerCall::kType);
   std::vector<PlannerCall> calls = *calls_;
-  calls[7].kind = 4;
+  calls[7].kind = 5;
   write(calls);
   expect_refused([&] { replay(); },
-                 log() + ": call 7 of the planner: is of kind 4; expected 0 to 3");
+                 log() + ": call 7 of the planner: is of kind 5; expected 0 to 4");
   calls = without(1, 2);
   for (std::size_t n = 0; n < calls.size(); ++n) calls[n].sequence = static_cast<std::uint32_t>(n);
   write(calls);

@@ -34,6 +34,7 @@ StepRecord full_step() {
   s.clearance = std::numeric_limits<double>::infinity();
   s.weights = {{"visible_features", 8.0, 1.0625}, {"exploration_gain", -1.0, 0.5}};
   s.features_weight = 1.0625;
+  s.map_frame = MapFrameRecord{{{3.0, -1.0, 0.0}, 0.5}, 2, 1, 3.25, -0.5, "SLAM"};
   return s;
 }
 

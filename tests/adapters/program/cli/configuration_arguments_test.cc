@@ -57,6 +57,8 @@ const std::vector<Row>& rows() {
       {"--until", "mission.until.area", "30m2", "30", "mission: {until: {area: 40}}", "50", "-1m2"},
       {"--return", "mission.return_when_done", "", "true", "mission: {return_when_done: false}",
        "false", ""},
+      {"--correct", "simulator.corrections", "20:3,0,30", "[20, 3, 0, 30]",
+       "simulator: {corrections: [1, 2, 3, 4]}", "[5, 6, 7, 8]", "20:3,0,nan"},
       {"--map", "simulator.map", "a map.bt", "\"a map.bt\"", "simulator: {map: b.bt}", "c.bt", ""},
   };
   return all;

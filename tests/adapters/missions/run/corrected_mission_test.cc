@@ -1,0 +1,88 @@
+// Missions whose map is corrected on the way.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "adapters/formats/worlds/load_world.h"
+#include "adapters/formats/worlds/world_file.h"
+#include "adapters/missions/config/configuration.h"
+#include "adapters/missions/run/exploration_run.h"
+#include "adapters/missions/run/step_row.h"
+#include "engine/maps/correction.h"
+#include "engine/task/zone_map.h"
+
+namespace prospect::corrected_mission_test {
+namespace {
+
+constexpr const char* kRoom =
+    "resolution: 0.1\n"
+    "textures: {brick: 40}\n"
+    "rooms:\n"
+    "  - {box: [0, 0, 6, 4], walls: brick, floor: brick}\n"
+    "start: [1.0, 1.0, 0.5]\n";
+
+RunRecord run(const std::string& settings) {
+  const Configuration c = configuration_from_text(settings, "corrected");
+  World world = world_from_yaml(kRoom, "a room");
+  place_start(world, world_options_for(c).slice, std::nullopt, true);
+  return run_exploration(std::make_shared<const World>(std::move(world)), c, {}).record;
+}
+
+std::vector<std::string> rows_of(const RunRecord& record) {
+  const StepColumns columns = step_columns(record.steps);
+  std::vector<std::string> rows = {step_header(columns)};
+  for (const StepRecord& step : record.steps) rows.push_back(step_row(step, columns));
+  return rows;
+}
+
+TEST(CorrectedMission, GoalAndKeepOutStayWhereTheyAreInTheMap) {
+  // From the second on the map is off by a metre and 20 degrees, about where the robot is then.
+  const std::string told =
+      "task: {kind: go, goal: [4.6, 2.6]}\n"
+      "zones: {keep_out: [{area: [2.6, 1.0, 3.0, 1.0, 3.0, 2.0, 2.6, 2.0]}]}\n"
+      "mission: {time_limit: 60}\n"
+      "simulator: {corrections: [2, 0.7, -0.6, 10, 2.01, 1, 1, 1, 3, 5000, 0, 0]}\n";
+  const RunRecord record = run(told);
+  EXPECT_EQ(record.summary.end, MissionEnd::kGoalReached) << record.summary.detail;
+  EXPECT_EQ(record.summary.collisions, 0);
+  const StepRecord& last = record.steps.back();
+  ASSERT_TRUE(last.map_frame);
+  EXPECT_EQ(last.map_frame->taken, 1);
+  EXPECT_EQ(last.map_frame->refused, 2) << "too soon; too far";
+  MapFrame frame;
+  frame.origin = last.map_frame->origin;
+  const Eigen::Vector2d there = frame.to_map(last.estimated_pose.position.head<2>());
+  EXPECT_LT((there - Eigen::Vector2d(4.6, 2.6)).norm(), 0.16);
+  const Configuration c = configuration_from_text(told, "corrected");
+  const ZoneMap zones(c.planner.zones);
+  int corrections = 0;
+  for (const StepRecord& step : record.steps) {
+    frame.origin = step.map_frame->origin;
+    EXPECT_GE(zones.gap(0, body_outline(c.robot.shape), frame.to_map(step.estimated_pose)), 0.0);
+    corrections += step.map_frame->distance.has_value();
+  }
+  EXPECT_EQ(corrections, 1);
+  const std::vector<std::string> rows = rows_of(record);
+  EXPECT_NE(rows.front().find(",map_x,map_y,map_yaw,corrections,"), std::string::npos);
+  EXPECT_EQ(rows, rows_of(run(told))) << "the same bytes again";
+}
+
+TEST(CorrectedMission, AnExplorationThatWasToldNothingGoesTheSameWay) {
+  const std::string plain = "mission: {time_limit: 15}\n";
+  const RunRecord without = run(plain);
+  const RunRecord with = run(plain + "simulator: {corrections: [4, 3, 0, 30]}\n");
+  EXPECT_FALSE(without.steps.back().map_frame);
+  EXPECT_EQ(rows_of(without).front().find("map_x"), std::string::npos);
+  ASSERT_EQ(without.steps.size(), with.steps.size());
+  for (std::size_t k = 0; k < with.steps.size(); ++k) {
+    EXPECT_EQ(without.steps[k].explanation.cost, with.steps[k].explanation.cost);
+    EXPECT_EQ(without.steps[k].true_pose.position, with.steps[k].true_pose.position);
+  }
+}
+
+}  // namespace
+}  // namespace prospect::corrected_mission_test
