@@ -416,7 +416,9 @@ void bind_belief(py::module_& m) {
           "map_frame",
           [](const Belief& b) {
             const Pose origin = origin_of(b.map_frame.get());
-            return array_of(Eigen::Vector3d(origin.position.x(), origin.position.y(), origin.yaw));
+            Eigen::VectorXd place(3);
+            place << origin.position.x(), origin.position.y(), origin.yaw;
+            return array_of(place);
           },
           "(3,): x, y [m], yaw [rad] of W in the frame of goals and zones.")
       .def_property_readonly(
