@@ -40,14 +40,17 @@ std::string dds_configuration(bool loopback) {
         "<Interfaces><NetworkInterface name=\"lo\" multicast=\"false\"/></Interfaces>"
         "<AllowMulticast>false</AllowMulticast>";
   }
-  text += "</General>";
+  // A process that was killed counts as a publisher for so long; the library's is 10 s.
+  text += "</General><Discovery><LeaseDuration>2s</LeaseDuration>";
   if (loopback) {
     text +=
-        "<Discovery><ParticipantIndex>auto</ParticipantIndex>"
+        "<ParticipantIndex>auto</ParticipantIndex>"
         "<MaxAutoParticipantIndex>20</MaxAutoParticipantIndex>"
-        "<Peers><Peer address=\"127.0.0.1\"/></Peers></Discovery>";
+        "<Peers><Peer address=\"127.0.0.1\"/></Peers>";
   }
-  return text + "<Internal><SocketReceiveBufferSize max=\"4MB\"/></Internal></Domain></CycloneDDS>";
+  return text +
+         "</Discovery><Internal><SocketReceiveBufferSize "
+         "max=\"4MB\"/></Internal></Domain></CycloneDDS>";
 }
 
 #ifdef PROSPECT_WITH_CYCLONEDDS

@@ -2,13 +2,20 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <atomic>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
 #include <string>
 
 #include "adapters/formats/files/input_error.h"
 #include "adapters/formats/ros/geometry_msgs.h"
 #include "adapters/formats/ros/std_msgs.h"
+#include "runtime/clock.h"
 #include "tests/adapters/dds_pair.h"
 
 namespace prospect::dds_node_test {
@@ -134,6 +141,57 @@ TEST(DdsNode, RefusesWhatCannotBe) {
   missing.domain += 100;
   missing.configuration = "/no/such/file.xml";
   EXPECT_THROW(DdsNode{missing}, InputError);
+}
+
+// A dead publisher counted as a second commander for 10 s.
+TEST(DdsNode, AProcessThatWasKilledIsGoneAfterItsLease) {
+  const DdsAddress address = test::dds_test_address("ours");
+  const int child = ::fork();
+  if (child == 0) {
+    DdsNode node(address);
+    node.advertise<ros::TwistStamped>("/cmd_vel", kCommandQos);
+    node.start();
+    for (;;) ::pause();
+  }
+  ASSERT_GT(child, 0);
+  DdsNode ours(address);
+  ours.watch("/cmd_vel");
+  ours.start();
+  const auto seen = [&] { return ours.publisher_names("/cmd_vel").size(); };
+  EXPECT_TRUE(within(kPatience, [&] { return seen() == 1; }));
+  ::kill(child, SIGKILL);
+  ::waitpid(child, nullptr, 0);
+  const SteadyClock clock;
+  const double killed = clock.now();
+  EXPECT_TRUE(within(kPatience, [&] { return seen() == 0; }));
+  EXPECT_LT(clock.now() - killed, 5.0);
+}
+
+// CYCLONEDDS_URI stands above what the program sets. A domain is configured once in a process, so
+// these are domains of their own.
+TEST(DdsNode, TheEnvironmentsConfigurationStandsAboveItsOwn) {
+  const std::string log = ::testing::TempDir() + "cyclonedds_uri_" + std::to_string(getpid());
+  DdsAddress address = test::dds_test_address("ours");
+  address.domain += 91;
+  address.uri =
+      "<CycloneDDS><Domain><General><MaxMessageSize>4321B</MaxMessageSize></General><Tracing>"
+      "<Verbosity>config</Verbosity><OutputFile>" +
+      log + "</OutputFile></Tracing></Domain></CycloneDDS>";
+  { DdsNode node(address); }
+  std::ostringstream told;
+  told << std::ifstream(log).rdbuf();
+  std::filesystem::remove(log);
+  EXPECT_THAT(told.str(), HasSubstr("General/MaxMessageSize/#text: 4321 B"));
+  EXPECT_THAT(told.str(), HasSubstr("General/FragmentSize/#text: 60000 B")) << "the rest stays";
+  EXPECT_THAT(told.str(), HasSubstr("Discovery/LeaseDuration/#text: 2 s"));
+  address.domain += 1;
+  address.uri = "<CycloneDDS><Domain><NoSuchThing/></Domain></CycloneDDS>";
+  try {
+    DdsNode node(address);
+    FAIL() << "it takes it";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("CYCLONEDDS_URI <CycloneDDS>"));
+  }
 }
 
 TEST(DdsNode, TakesTheConfigurationOfTheSamplePackage) {
