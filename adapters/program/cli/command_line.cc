@@ -26,6 +26,7 @@
 #include "adapters/program/cli/parse_command_line.h"
 #include "adapters/program/cli/shell_words.h"
 #include "adapters/robots/user/load_robot.h"
+#include "adapters/robots/user/return_deadline.h"
 
 namespace {
 
@@ -125,10 +126,11 @@ std::string prospect::typed_line(int argc, const char* const* argv) {
 }
 
 void prospect::load_plugins(const std::vector<std::string>& plugins, const LoadPlugin& load,
-                            Registries& registries) {
+                            Registries& registries, double patience) {
   for (const std::string& name : builtin_set_names()) registries.problems.reserve(name);
   for (const std::string& path : plugins) {
     const PluginRobot* robot = nullptr;
+    const ReturnDeadline deadline("plug-in '" + path + "': its entry", patience);
     const std::string warning =
         load(path, {registries.solvers, registries.terms, registries.problems, &robot});
     if (!warning.empty()) std::cerr << "prospect: " << warning << '\n';

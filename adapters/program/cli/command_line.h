@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "adapters/missions/config/registries.h"
+#include "adapters/robots/user/return_deadline.h"
 #include "solvers/load_plugin.h"
 
 namespace prospect {
@@ -16,9 +17,10 @@ class SignalGuard;
 using LoadPlugin = std::function<std::string(const std::string& path, const PluginTargets&)>;
 
 /// Adds what the files of plug-ins offer, with a line on standard error for each warning. Throws as
-/// load_plugin() and load_robot().
+/// load_plugin() and load_robot(). A file whose entry does not come back within `patience` [s] ends
+/// the process, with a line (ReturnDeadline).
 void load_plugins(const std::vector<std::string>& plugins, const LoadPlugin& load,
-                  Registries& registries);
+                  Registries& registries, double patience = ReturnDeadline::kEntryPatience);
 
 /// Runs a program under a SignalGuard and returns its exit code. Throws nothing: what is wrong,
 /// also with its output, is a line on standard error.
