@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include "models/camera.h"
 #include "models/motion_model.h"
@@ -14,6 +15,9 @@ struct DepthSensor {
   CameraMount mount;
 };
 
+/// Depth sensors that a robot may have.
+inline constexpr int kMostDepthSensors = 16;
+
 /// The robot as the planner knows it.
 ///
 /// Heights. W's z axis points up and z = 0 is the floor. B's origin of a planar base stands at z =
@@ -26,7 +30,15 @@ struct RobotDescription {
   CameraMount stereo_mount;
   RgbdFootprint depth;
   CameraMount depth_mount;
+  /// Depth sensors besides that one. Sensor 0 is the one above, sensor n is more_depth[n - 1]; what
+  /// any of them sees is seen.
+  std::vector<DepthSensor> more_depth{};
 
+  std::vector<DepthSensor> depth_sensors() const {
+    std::vector<DepthSensor> all{{depth, depth_mount}};
+    all.insert(all.end(), more_depth.begin(), more_depth.end());
+    return all;
+  }
   /// Height of B's origin above the floor [m]: fixed_z; 0 for a base that moves in 3-D.
   double base_height() const { return model->pose_layout().fixed_z; }
   /// The heights in W that the body of a planar base sweeps [m]: its vertical extent in B, raised

@@ -99,11 +99,18 @@ class StreamJumps {
       if (jumps > seen_[k]) jumped = to_string(stream);
       seen_[k] = jumps;
     }
+    for (std::size_t n = 1; inbox && n < sensors_.size(); ++n) {
+      const auto sensor = static_cast<int>(n);
+      const int jumps = inbox->count_of_sensor(sensor).jumps;
+      if (jumps > sensors_[n]) jumped = sensor_name(sensor);
+      sensors_[n] = jumps;
+    }
     return jumped;
   }
 
  private:
   std::array<int, kSensorStreams> seen_{};
+  std::array<int, kMostDepthSensors> sensors_{};
   int poses_ = 0;
 };
 

@@ -1,6 +1,10 @@
 #include "runtime/range_check.h"
 
 #include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "models/robot_description.h"
 
 namespace prospect {
 
@@ -47,10 +51,9 @@ RangeFrame range_frame(const ScanFrame& scan) {
 
 std::function<RangeCheck(const Twist&, double)> range_check(const SensorInbox& inbox,
                                                             const RangeStop& stop,
-                                                            const RangeCamera& camera) {
+                                                            const RangeCameras& cameras) {
   return [&](const Twist& command, double now) {
-    const NewestRanges newest = inbox.ranges();
-    RangeCheck look;
+    std::vector<RangeStopVerdict> verdicts;
     const auto shows_nothing = [](const RangeStopVerdict& verdict) {
       return verdict.reason == RangeStopReason::kTooFewRanges ||
              verdict.reason == RangeStopReason::kOutOfView;
@@ -61,16 +64,30 @@ std::function<RangeCheck(const Twist&, double)> range_check(const SensorInbox& i
         const RangeStopVerdict then = stop.check(before, command, now);
         if (then.share > verdict.share) verdict = then;
       }
+      verdicts.push_back(std::move(verdict));
+    };
+    for (int sensor = 0; sensor < kMostDepthSensors; ++sensor) {
+      const NewestRanges newest = inbox.ranges(sensor);
+      const auto camera = cameras.find(sensor);
+      if (newest.depth.image && camera != cameras.end()) {
+        ask(range_frame(newest.depth, camera->second),
+            newest.depth_before.image ? range_frame(newest.depth_before, camera->second)
+                                      : RangeFrame());
+      }
+      if (newest.scan.in_B) {
+        ask(range_frame(newest.scan),
+            newest.scan_before.in_B ? range_frame(newest.scan_before) : RangeFrame());
+      }
+    }
+    const auto out_of_view = [](const RangeStopVerdict& verdict) {
+      return verdict.reason == RangeStopReason::kOutOfView;
+    };
+    const bool looked_at = !std::all_of(verdicts.begin(), verdicts.end(), out_of_view);
+    RangeCheck look;
+    for (const RangeStopVerdict& verdict : verdicts) {
+      if (looked_at && out_of_view(verdict)) continue;
       look.share = std::min(look.share, verdict.share);
       if (!verdict.may_go_on() && look.obstacle.empty()) look.obstacle = verdict.text;
-    };
-    if (newest.depth.image) {
-      ask(range_frame(newest.depth, camera),
-          newest.depth_before.image ? range_frame(newest.depth_before, camera) : RangeFrame());
-    }
-    if (newest.scan.in_B) {
-      ask(range_frame(newest.scan),
-          newest.scan_before.in_B ? range_frame(newest.scan_before) : RangeFrame());
     }
     return look;
   };

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <string>
 
 #include "models/camera.h"
@@ -31,12 +32,15 @@ RangeFrame range_frame(const DepthFrame& depth, const RangeCamera& camera);
 /// Hits and misses of a scan.
 RangeFrame range_frame(const ScanFrame& scan);
 
-/// Asks `stop` of the newest depth image and scan in the inbox, each if there has been any, and
-/// takes the smaller share. One look that shows nothing where the body drives decides nothing: the
-/// one before it is asked, as old as it is. All outlive what is returned. Thread-safety: as
+/// Depth cameras by the number of their sensor.
+using RangeCameras = std::map<int, RangeCamera>;
+
+/// Asks `stop` of the newest depth image and scan of each depth sensor in the inbox, if there has
+/// been any, and takes the smallest share. What one sensor does not have in view at all another
+/// may: then that one decides. One look that shows nothing where the body drives decides nothing:
+/// the one before it is asked, as old as it is. All outlive what is returned. Thread-safety: as
 /// RangeStop and SensorInbox, so any thread.
-std::function<RangeCheck(const Twist& command, double now)> range_check(const SensorInbox& inbox,
-                                                                        const RangeStop& stop,
-                                                                        const RangeCamera& camera);
+std::function<RangeCheck(const Twist& command, double now)> range_check(
+    const SensorInbox& inbox, const RangeStop& stop, const RangeCameras& cameras);
 
 }  // namespace prospect

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -36,6 +37,9 @@ struct Robot {
   double made = 0.0;                     ///< [s] of the clock
   bool simulated_time = false;           ///< the clock is a simulation's that somebody else runs
   std::optional<PinholeCamera> depth{};  ///< none: it has no depth images
+  /// Of its depth sensors from 1 on (RobotDescription::more_depth, all of which it needs) those
+  /// that have depth images, by their number; the others have scans.
+  std::map<int, PinholeCamera> more_depth{};
   /// What it was described as, with what it tells of its cameras itself; and who tells, for
   /// messages. Without a model: it tells nothing.
   RobotDescription description{};

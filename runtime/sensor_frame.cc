@@ -25,9 +25,9 @@ InputResult feed(PerceptionPipeline& perception, const SensorFrame& frame) {
         } else if constexpr (std::is_same_v<Frame, WheelSample>) {
           return perception.wheels(f);
         } else if constexpr (std::is_same_v<Frame, DepthFrame>) {
-          return perception.depth(f.stamp, *f.image);
+          return perception.depth(f.stamp, *f.image, f.sensor);
         } else if constexpr (std::is_same_v<Frame, ScanFrame>) {
-          return perception.scan(f.stamp, *f.in_B);
+          return perception.scan(f.stamp, *f.in_B, f.sensor);
         } else if constexpr (std::is_same_v<Frame, ExternalPose>) {
           return perception.external_pose(f);
         } else if constexpr (std::is_same_v<Frame, Correction>) {

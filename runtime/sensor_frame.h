@@ -28,11 +28,13 @@ struct EstimateFrame {
 struct DepthFrame {
   double stamp = 0.0;  ///< [s]
   std::shared_ptr<const DepthImage> image;
+  int sensor = 0;  ///< which of RobotDescription::depth_sensors() it is of
 };
 struct ScanFrame {
   double stamp = 0.0;                     ///< [s]
   std::shared_ptr<const DepthScan> in_B;  ///< origin and points in B [m]
   std::shared_ptr<const Pose> pose{};  ///< B's then, of a sensor that tells it; null: it does not
+  int sensor = 0;                      ///< which of RobotDescription::depth_sensors() it is of
 };
 
 /// What a robot's sensors deliver: one input of perception. A pose is one that something else has

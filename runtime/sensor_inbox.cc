@@ -9,6 +9,7 @@
 
 #include "models/formatted.h"
 #include "models/knobs.h"
+#include "models/robot_description.h"
 
 namespace prospect {
 namespace {
@@ -60,6 +61,8 @@ std::string_view to_string(SensorStream stream) {
   return "?";
 }
 
+std::string sensor_name(int sensor) { return "depth sensor " + std::to_string(sensor); }
+
 SensorInbox::SensorInbox(const Clock& clock, const SensorInboxOptions& options)
     : clock_(clock),
       options_(options),
@@ -87,14 +90,16 @@ ClockOffset& SensorInbox::offset_of(SensorStream stream) {
   }
 }
 
-std::optional<double> SensorInbox::offset(SensorStream stream) {
-  std::optional<double> least = offset_of(stream).offset();
+std::optional<double> SensorInbox::offset(const ClockOffset& of) const {
+  std::optional<double> least = of.offset();
   if (!least || !options_.one_clock) return least;
-  for (const ClockOffset* clock : {&cameras_, &wheels_, &depth_, &scan_, &poses_}) {
-    if (const auto one = clock->offset(); clock->has_own_clock() && one) {
+  const auto include = [&](const ClockOffset& clock) {
+    if (const auto one = clock.offset(); clock.has_own_clock() && one) {
       least = std::min(*least, *one);
     }
-  }
+  };
+  for (const ClockOffset* clock : {&cameras_, &wheels_, &depth_, &scan_, &poses_}) include(*clock);
+  for (const auto& [number, sensor] : sensors_) include(sensor.clock);
   return least;
 }
 
@@ -117,12 +122,14 @@ void SensorInbox::drop(StreamCount& count, std::uint64_t StreamCount::*kind,
 }
 
 std::optional<double> SensorInbox::shifted(SensorStream stream, double stamp) {
-  StreamCount& count = at(stream).count;
+  return shifted(at(stream).count, offset_of(stream), stamp);
+}
+
+std::optional<double> SensorInbox::shifted(StreamCount& count, ClockOffset& offset, double stamp) {
   ++count.received;
-  ClockOffset& offset = offset_of(stream);
   StampReading reading = offset.add(stamp, clock_.now());
   count.jumps = offset.jumps();
-  count.offset = this->offset(stream);
+  count.offset = this->offset(offset);
   if (options_.one_clock && offset.has_own_clock() && reading.time) {
     reading.time = std::min(*reading.time, stamp + *count.offset);
   }
@@ -137,11 +144,12 @@ std::optional<double> SensorInbox::shifted(SensorStream stream, double stamp) {
 }
 
 void SensorInbox::put(SensorStream stream, SensorFrame frame) {
-  Stream& s = at(stream);
   const bool small = stream == SensorStream::kWheels || stream == SensorStream::kPose;
-  const auto capacity =
-      static_cast<std::size_t>(small ? options_.wheel_capacity : options_.capacity);
-  if (s.frames.size() >= capacity) {
+  put(at(stream), small ? options_.wheel_capacity : options_.capacity, std::move(frame));
+}
+
+void SensorInbox::put(Stream& s, int capacity, SensorFrame frame) {
+  if (s.frames.size() >= static_cast<std::size_t>(capacity)) {
     const auto oldest =
         std::min_element(s.frames.begin(), s.frames.end(),
                          [](const auto& a, const auto& b) { return stamp_of(a) < stamp_of(b); });
@@ -271,7 +279,41 @@ void SensorInbox::depth(double stamp, DepthImage image) {
   add(DepthFrame{stamp, std::make_shared<const DepthImage>(std::move(image))});
 }
 
+template <class Frame>
+void SensorInbox::add_of_sensor(SensorStream kind, Frame frame, bool empty,
+                                Frame NewestRanges::*newest, Frame NewestRanges::*before) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (frame.sensor < 0 || frame.sensor >= kMostDepthSensors) {
+      return drop(at(kind).count, &StreamCount::refused,
+                  "it is of sensor " + std::to_string(frame.sensor) + "; expected 0 to " +
+                      std::to_string(kMostDepthSensors - 1));
+    }
+    const bool in_runtime_clock = kind == SensorStream::kDepth ? options_.depth_in_runtime_clock
+                                                               : options_.scan_in_runtime_clock;
+    const auto [at, is_new] = sensors_.try_emplace(
+        frame.sensor,
+        Sensor{{}, ClockOffset(clock_of(in_runtime_clock, options_.clock_drift)), {}, kind});
+    Sensor& sensor = at->second;
+    const std::optional<double> at_capture =
+        shifted(sensor.stream.count, sensor.clock, frame.stamp);
+    if (!at_capture) return;
+    if (empty) return drop(sensor.stream.count, &StreamCount::refused, "the frame is empty");
+    frame.stamp = *at_capture;
+    if ((sensor.ranges.*newest).stamp <= frame.stamp) {
+      sensor.ranges.*before = std::exchange(sensor.ranges.*newest, frame);
+    }
+    put(sensor.stream, options_.capacity, std::move(frame));
+  }
+  came_.notify_one();
+}
+
 void SensorInbox::add(DepthFrame frame) {
+  if (frame.sensor != 0) {
+    const bool empty = !frame.image || !frame.image->whole();
+    return add_of_sensor(SensorStream::kDepth, std::move(frame), empty, &NewestRanges::depth,
+                         &NewestRanges::depth_before);
+  }
   {
     const std::lock_guard lock(mutex_);
     const std::optional<double> at_capture = shifted(SensorStream::kDepth, frame.stamp);
@@ -293,6 +335,11 @@ void SensorInbox::scan(double stamp, DepthScan in_B, std::shared_ptr<const Pose>
 }
 
 void SensorInbox::add(ScanFrame frame) {
+  if (frame.sensor != 0) {
+    const bool empty = !frame.in_B;
+    return add_of_sensor(SensorStream::kScan, std::move(frame), empty, &NewestRanges::scan,
+                         &NewestRanges::scan_before);
+  }
   {
     const std::lock_guard lock(mutex_);
     const std::optional<double> at_capture = shifted(SensorStream::kScan, frame.stamp);
@@ -344,15 +391,18 @@ std::optional<SensorFrame> SensorInbox::take() {
     Stream* from = nullptr;
     std::deque<SensorFrame>::iterator oldest;
     SensorStream which = SensorStream::kPair;
-    for (std::size_t k = 0; k < kSensorStreams; ++k) {
-      Stream& s = streams_[k];
+    const auto look = [&](Stream& s, SensorStream kind) {
       for (auto frame = s.frames.begin(); frame != s.frames.end(); ++frame) {
         if (from && !(stamp_of(*frame) < stamp_of(*oldest))) continue;
         from = &s;
         oldest = frame;
-        which = static_cast<SensorStream>(k);
+        which = kind;
       }
+    };
+    for (std::size_t k = 0; k < kSensorStreams; ++k) {
+      look(streams_[k], static_cast<SensorStream>(k));
     }
+    for (auto& [number, sensor] : sensors_) look(sensor.stream, sensor.kind);
     if (!from) return std::nullopt;
     SensorFrame frame = std::move(*oldest);
     from->frames.erase(oldest);
@@ -369,21 +419,32 @@ std::optional<SensorFrame> SensorInbox::take() {
 bool SensorInbox::wait(double seconds, const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
   const auto any = [&] {
-    return !corrections_.empty() || std::any_of(streams_.begin(), streams_.end(),
-                                                [](const Stream& s) { return !s.frames.empty(); });
+    return !corrections_.empty() ||
+           std::any_of(streams_.begin(), streams_.end(),
+                       [](const Stream& s) { return !s.frames.empty(); }) ||
+           std::any_of(sensors_.begin(), sensors_.end(),
+                       [](const auto& s) { return !s.second.stream.frames.empty(); });
   };
   return came_.wait_for(lock, stop, std::chrono::duration<double>(std::clamp(seconds, 0.0, 1e6)),
                         any);
 }
 
-NewestRanges SensorInbox::ranges() const {
+NewestRanges SensorInbox::ranges(int sensor) const {
   const std::lock_guard lock(mutex_);
-  return ranges_;
+  if (sensor == 0) return ranges_;
+  const auto at = sensors_.find(sensor);
+  return at == sensors_.end() ? NewestRanges() : at->second.ranges;
 }
 
 std::optional<double> SensorInbox::pair_offset() const {
   const std::lock_guard lock(mutex_);
   return pair_offset_;
+}
+
+StreamCount SensorInbox::count_of_sensor(int sensor) const {
+  const std::lock_guard lock(mutex_);
+  const auto at = sensors_.find(sensor);
+  return at == sensors_.end() ? StreamCount() : at->second.stream.count;
 }
 
 StreamCount SensorInbox::count(SensorStream stream) const {
@@ -394,14 +455,22 @@ StreamCount SensorInbox::count(SensorStream stream) const {
 std::string SensorInbox::stale() const {
   const std::lock_guard lock(mutex_);
   const double now = clock_.now();
-  for (std::size_t k = 0; k < kSensorStreams; ++k) {
+  const auto said = [&](const std::string& name, const std::optional<double>& newest,
+                        double most) -> std::string {
+    if (!newest || now - *newest <= most) return "";
+    return name + ": the newest frame is " + seconds(now - *newest) + " s old; at most " +
+           seconds(most) + " s";
+  };
+  std::string first;
+  for (std::size_t k = 0; k < kSensorStreams && first.empty(); ++k) {
     const auto stream = static_cast<SensorStream>(k);
-    const std::optional<double>& newest = streams_[k].count.newest;
-    if (!newest || now - *newest <= max_age(stream)) continue;
-    return std::string(to_string(stream)) + ": the newest frame is " + seconds(now - *newest) +
-           " s old; at most " + seconds(max_age(stream)) + " s";
+    first = said(std::string(to_string(stream)), streams_[k].count.newest, max_age(stream));
   }
-  return "";
+  for (const auto& [number, sensor] : sensors_) {
+    if (!first.empty()) break;
+    first = said(sensor_name(number), sensor.stream.count.newest, options_.max_range_age);
+  }
+  return first;
 }
 
 }  // namespace prospect

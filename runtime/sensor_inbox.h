@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <deque>
 #include <limits>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -29,6 +30,8 @@ class Knobs;
 enum class SensorStream { kLeft, kRight, kPair, kWheels, kDepth, kScan, kPose };
 inline constexpr std::size_t kSensorStreams = 7;
 std::string_view to_string(SensorStream stream);
+/// Of a depth sensor from 1 on: "depth sensor 1".
+std::string sensor_name(int sensor);
 
 /// What one camera delivers, shared, not copied: an image; or, of a camera that is a model, the
 /// estimate that perception would have made with it. Neither: it is empty.
@@ -59,7 +62,7 @@ struct SensorInboxOptions {
   /// age: without one of them the way that it tells of is missing from the pose.
   double max_image_age = 0.5;  ///< also of poses
   double max_wheel_age = 0.5;
-  double max_range_age = 1.0;  ///< of depth images and scans
+  double max_range_age = 1.0;  ///< of depth images and scans, of each depth sensor by itself
   /// Stamps are those of the runtime's clock already, as where the driver stamps what it receives
   /// from the kernel; else they are the source's own and are shifted into it. One choice for the
   /// cameras of a pair, whose clock must be one: images are paired by their own stamps.
@@ -141,11 +144,13 @@ class SensorInbox final : public FrameSink {
   /// `stop` was requested.
   bool wait(double seconds, const std::stop_token& stop);
 
-  /// The newest ranges, whether taken by perception or not.
-  NewestRanges ranges() const;
+  /// The newest ranges of a depth sensor, whether taken by perception or not.
+  NewestRanges ranges(int sensor = 0) const;
   /// Capture of the right image - capture of the left one of the newest pair [s]; none so far.
   std::optional<double> pair_offset() const;
   StreamCount count(SensorStream stream) const;
+  /// Of all that a depth sensor has delivered; from 1 on.
+  StreamCount count_of_sensor(int sensor) const;
   /// Of streams that have delivered anything: the first whose newest frame is too old, "depth: the
   /// newest frame is 1.2 s old; at most 1.0 s"; empty: none.
   std::string stale() const;
@@ -161,17 +166,31 @@ class SensorInbox final : public FrameSink {
     std::deque<SensorFrame> frames;  // empty for kLeft and kRight
   };
 
+  /// A depth sensor besides the first: a source of its own, with a clock of its own.
+  struct Sensor {
+    Stream stream;
+    ClockOffset clock;
+    NewestRanges ranges;
+    SensorStream kind = SensorStream::kScan;
+  };
+
   Stream& at(SensorStream stream) { return streams_[static_cast<std::size_t>(stream)]; }
   double max_age(SensorStream stream) const;
   /// The stamp in the runtime's clock; none, counted: it is not finite.
   std::optional<double> shifted(SensorStream stream, double stamp);
+  std::optional<double> shifted(StreamCount& count, ClockOffset& clock, double stamp);
   void lone(SensorStream stream, double stamp, CameraContent content);
   /// Makes a pair of the newest image of a stream, if its partner is there.
   void pair_up(SensorStream stream);
   void put(SensorStream stream, SensorFrame frame);
+  void put(Stream& to, int capacity, SensorFrame frame);
+  /// Of a sensor from 1 on.
+  template <class Frame>
+  void add_of_sensor(SensorStream kind, Frame frame, bool empty, Frame NewestRanges::*newest,
+                     Frame NewestRanges::*before);
   ClockOffset& offset_of(SensorStream stream);
   /// [s] that the runtime's clock is ahead of a stream's; none: not settled.
-  std::optional<double> offset(SensorStream stream);
+  std::optional<double> offset(const ClockOffset& clock) const;
   void add(StereoFrame frame);
   void add(DepthFrame frame);
   void add(ScanFrame frame);
@@ -187,6 +206,7 @@ class SensorInbox final : public FrameSink {
   std::deque<Lone> left_, right_;  // in order of arrival
   std::deque<Correction> corrections_;
   NewestRanges ranges_;
+  std::map<int, Sensor> sensors_;  // from 1 on, of those that have delivered anything
   std::optional<double> pair_offset_;
   // The cameras have one clock.
   ClockOffset cameras_, wheels_, depth_, scan_, poses_;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -42,6 +43,10 @@ struct UserRobot {
   /// their defaults. Names are letters, digits and _.
   std::vector<OptionInfo> options{};
   std::optional<PinholeCamera> depth{};  ///< of its depth images
+  /// Its depth sensors besides that one are what the configuration has as robot.more_depth; all are
+  /// needed, and their frames have the numbers 1, 2 and so on (DepthFrame::sensor). Here the
+  /// cameras of those with depth images, by their number; the others have scans.
+  std::map<int, PinholeCamera> more_depth{};
   Pose start{};  ///< of B in W when it is made; the place that its body takes up there is free
   /// Called once, before any thread of Prospect, once nothing else is amiss, with all options. What
   /// it throws ends the program: std::invalid_argument as bad input, in one line.

@@ -8,4 +8,10 @@ WatchedStream watched(const SensorInbox& inbox, SensorStream stream, const std::
           [&inbox, stream] { return inbox.count(stream); }};
 }
 
+WatchedStream watched_sensor(const SensorInbox& inbox, int sensor, double limit) {
+  return {sensor_name(sensor), limit,
+          [&inbox, sensor](const Belief*) { return inbox.count_of_sensor(sensor).newest; },
+          [&inbox, sensor] { return inbox.count_of_sensor(sensor); }};
+}
+
 }  // namespace prospect

@@ -23,5 +23,7 @@ struct WatchedStream {
 /// A stream of an inbox, which outlives it. Thread-safety: as the inbox.
 WatchedStream watched(const SensorInbox& inbox, SensorStream stream, const std::string& source,
                       double limit);
+/// Likewise what a depth sensor from 1 on delivers.
+WatchedStream watched_sensor(const SensorInbox& inbox, int sensor, double limit);
 
 }  // namespace prospect

@@ -102,13 +102,21 @@ Grid<Cluster> clusters_of(const GroundMap& ground, const GridFrame& window,
   return clusters;
 }
 
-/// Takes away what the camera sees from where it is.
-void drop_visible(const Belief& belief, const FootprintVisibility& view,
-                  const Eigen::Vector3d& sensor, const ExplorationTargetOptions& options,
-                  ExplorationTargets& result) {
+/// Where a sensor is [m].
+Eigen::Vector3d place_of(const CameraMount& mount, const Pose& pose) {
+  const double c = std::cos(pose.yaw), s = std::sin(pose.yaw);
+  const Eigen::Vector3d t = mount.T_BC.translation();
+  return pose.position + Eigen::Vector3d(c * t.x() - s * t.y(), s * t.x() + c * t.y(), t.z());
+}
+
+/// Takes away what a sensor that is mounted `raised` [m] above the targets' sees from where it is.
+void drop_visible(const Belief& belief, const DepthSensor& of, double raised,
+                  const ExplorationTargetOptions& options, ExplorationTargets& result) {
+  const FootprintVisibility view(of.footprint, of.mount);
+  const Eigen::Vector3d sensor = place_of(of.mount, belief.pose);
   // The exact ray takes the place of the smoothed one: a table over the present pose alone would
   // cost as much.
-  const std::vector<Eigen::Vector3d> positions = result.positions();
+  const std::vector<Eigen::Vector3d> positions = result.positions(raised);
   std::vector<VoxelGrid::Ray> rays(positions.size());
   const VoxelGrid& voxels = *belief.voxels;
   voxels.cast_many(sensor, positions.data(), static_cast<int>(positions.size()),
@@ -149,16 +157,19 @@ void keep_nearest(const Eigen::Vector2d& robot, const ExplorationTargetOptions& 
 
 }  // namespace
 
-std::vector<Eigen::Vector3d> ExplorationTargets::positions() const {
+std::vector<Eigen::Vector3d> ExplorationTargets::positions(double raised) const {
   std::vector<Eigen::Vector3d> p;
   p.reserve(targets.size());
-  for (const ExplorationTarget& t : targets) p.push_back(t.position);
+  for (const ExplorationTarget& t : targets) {
+    p.push_back(t.position);
+    p.back().z() += raised;
+  }
   return p;
 }
 
 ExplorationTargets exploration_targets(const Belief& belief,
                                        const std::vector<Cell>& frontier_cells,
-                                       const RgbdFootprint& footprint, const CameraMount& mount,
+                                       const std::vector<DepthSensor>& sensors,
                                        const ExplorationTargetOptions& options) {
   if (!(options.band > 0.0) || !(options.block > 0.0) || options.max_targets < 0 ||
       !(options.reach > 0.0)) {
@@ -183,17 +194,17 @@ ExplorationTargets exploration_targets(const Belief& belief,
   const Grid<Cluster> clusters =
       clusters_of(ground, *window, discs_about(frontier_cells, map, *window, band_cells), side);
 
-  const double c = std::cos(belief.pose.yaw), s = std::sin(belief.pose.yaw);
-  const Eigen::Vector3d t = mount.T_BC.translation();
-  const Eigen::Vector3d sensor =
-      belief.pose.position + Eigen::Vector3d(c * t.x() - s * t.y(), s * t.x() + c * t.y(), t.z());
+  const double height = place_of(sensors.front().mount, belief.pose).z();
   for (const Cluster& cluster : clusters.data) {
     if (cluster.count == 0 || (cluster.position - robot).norm() > options.reach) continue;
     result.targets.push_back(
-        {{cluster.position.x(), cluster.position.y(), sensor.z()}, cluster.count * r * r});
+        {{cluster.position.x(), cluster.position.y(), height}, cluster.count * r * r});
   }
-  if (options.drop_visible && !result.targets.empty()) {
-    drop_visible(belief, FootprintVisibility(footprint, mount), sensor, options, result);
+  for (const DepthSensor& sensor : sensors) {
+    if (!options.drop_visible || result.targets.empty()) break;
+    const double raised =
+        sensor.mount.T_BC.translation().z() - sensors.front().mount.T_BC.translation().z();
+    drop_visible(belief, sensor, raised, options, result);
   }
   double near_mass = 0.0;
   for (const ExplorationTarget& target : result.targets) {

@@ -7,6 +7,7 @@
 #include "engine/maps/belief.h"
 #include "engine/maps/grid.h"
 #include "models/camera.h"
+#include "models/robot_description.h"
 
 namespace prospect {
 
@@ -21,7 +22,8 @@ struct ExplorationTargets {
   double reference_area = 0.3;  ///< A_ref [m^2]
   int visible_now = 0;          ///< clusters left out because they are in view and still unknown
 
-  std::vector<Eigen::Vector3d> positions() const;
+  /// Where a sensor that is mounted so much higher [m] looks for them.
+  std::vector<Eigen::Vector3d> positions(double raised = 0.0) const;
 };
 
 struct ExplorationTargetOptions {
@@ -48,17 +50,18 @@ struct ExplorationTargetOptions {
 ///   reference_max)
 ///
 /// A target stands on the cell of its cluster nearest to the cluster's centroid (a mean could fall
-/// into a wall), at the height of the depth sensor in the present pose. Clusters that the present
-/// pose should see, by the footprint (FootprintVisibility) and a hard ray cast, and that are
-/// unknown all the same, are left out: looking again will not resolve them. They do not count in
-/// A_ref.
+/// into a wall), at the height of the first depth sensor in the present pose. Clusters that one of
+/// the sensors should see now, by its footprint (FootprintVisibility) and a hard ray cast at its
+/// own height, and that are unknown all the same, are left out: looking again will not resolve
+/// them. They do not count in A_ref.
 ///
 /// Deterministic: the result does not depend on the order of `frontier_cells`; targets are ordered
-/// by block address. Frontier cells outside the map are ignored. No active frontier: no target.
-/// Source: formulation, section 4; the choice of the cell and of the height is ours.
+/// by block address. Frontier cells outside the map are ignored. No active frontier: no target. At
+/// least one sensor. Source: formulation, section 4; the choice of the cell and of the height is
+/// ours.
 ExplorationTargets exploration_targets(const Belief& belief,
                                        const std::vector<Cell>& frontier_cells,
-                                       const RgbdFootprint& footprint, const CameraMount& mount,
+                                       const std::vector<DepthSensor>& sensors,
                                        const ExplorationTargetOptions& options = {});
 
 }  // namespace prospect

@@ -34,11 +34,13 @@ void SurfaceDrift::update(const Belief& belief, const RobotDescription& robot) {
   }
 
   ++updates_;
-  visit_ground_in_view(ground, belief.pose, {robot.depth, robot.depth_mount}, [this](Cell c) {
-    if (!variance_seen_.frame.contains(c)) cover(c);
-    variance_seen_[c] = bounded_ ? variance(c) : kInfinity;
-    in_view_[c] = updates_;
-  });
+  for (const DepthSensor& sensor : robot.depth_sensors()) {
+    visit_ground_in_view(ground, belief.pose, sensor, [this](Cell c) {
+      if (!variance_seen_.frame.contains(c)) cover(c);
+      variance_seen_[c] = bounded_ ? variance(c) : kInfinity;
+      in_view_[c] = updates_;
+    });
+  }
 }
 
 // By what was seen, not by the map: that may be far larger.

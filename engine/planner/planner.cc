@@ -52,7 +52,16 @@ constexpr double kTurnsWithin = 0.6;
 void check_sensors(const RobotDescription& robot, const PlannerParameters& p) {
   validate(robot.stereo);
   validate(robot.stereo_mount);
-  validate(robot.depth_mount);
+  const std::vector<DepthSensor> sensors = robot.depth_sensors();
+  if (sensors.size() > static_cast<std::size_t>(kMostDepthSensors)) {
+    throw std::invalid_argument("planner: " + std::to_string(sensors.size()) +
+                                " depth sensors; expected at most " +
+                                std::to_string(kMostDepthSensors));
+  }
+  for (const DepthSensor& sensor : sensors) {
+    validate(sensor.footprint);
+    validate(sensor.mount);
+  }
   VisibleFeatures(
       std::make_shared<const VisibilityPrediction>(std::vector<Landmark>(), robot.stereo,
                                                    robot.stereo_mount, nullptr, p.visibility),

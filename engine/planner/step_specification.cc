@@ -138,14 +138,18 @@ std::vector<Cell> frontier_cells(const StepContext& c) {
 
 void specify_exploration(const StepContext& c, ProblemSpecification& s) {
   const PlannerParameters& p = c.parameters;
-  const CameraMount& mount = c.robot.depth_mount;
+  const std::vector<DepthSensor> sensors = c.robot.depth_sensors();
   s.target_occlusion.attenuation = p.unknown_attenuation;
   s.target_occlusion.trim = 1.5 * c.belief.voxels->resolution();
-  s.target_occlusion.max_range = c.robot.depth.max_range + 1.0;
+  double farthest = 0.0;
+  for (const DepthSensor& sensor : sensors) {
+    farthest = std::max(farthest, sensor.footprint.max_range);
+  }
+  s.target_occlusion.max_range = farthest + 1.0;
   ExplorationTargetOptions options;
   options.max_targets = p.max_targets;
   if (c.global_plan.target) options.led_to = c.global_plan.target->looks_at;
-  s.targets = exploration_targets(c.belief, frontier_cells(c), c.robot.depth, mount, options);
+  s.targets = exploration_targets(c.belief, frontier_cells(c), sensors, options);
   if (c.zones != nullptr || p.frontier_planner.area) {
     // On the path to an area what is seen outside of it shows the path.
     const bool anywhere = c.global_plan.facts.to_area;
@@ -155,9 +159,19 @@ void specify_exploration(const StepContext& c, ProblemSpecification& s) {
                       : !c.frontiers.counts(at);
     });
   }
-  s.target_lattice =
-      SensorLattice::around(camera_position(c, mount), camera_reach(c, mount), p.visibility_lattice,
-                            is_vertical(c), s.targets.positions(), s.target_occlusion.max_range);
+  s.more_target_lattices.clear();
+  const double height = c.robot.depth_mount.T_BC.translation().z();
+  for (const DepthSensor& sensor : sensors) {
+    const CameraMount& mount = sensor.mount;
+    const SensorLattice lattice = SensorLattice::around(
+        camera_position(c, mount), camera_reach(c, mount), p.visibility_lattice, is_vertical(c),
+        s.targets.positions(mount.T_BC.translation().z() - height), s.target_occlusion.max_range);
+    if (&sensor == &sensors.front()) {
+      s.target_lattice = lattice;
+    } else {
+      s.more_target_lattices.push_back(lattice);
+    }
+  }
 }
 
 void specify_cost_to_go(const StepContext& c, ProblemSpecification& s) {

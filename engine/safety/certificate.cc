@@ -8,11 +8,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <exception>
 #include <limits>
 #include <list>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <unordered_map>
 #include <unordered_set>
@@ -168,17 +170,21 @@ struct Closing {
   const SurfaceDrift* drift = nullptr;
   double drift_limit = 0.0;                 // [m]; 0: none
   bool only_in_view = false;                // nothing bounds the error of the pose
-  const PresentView* view = nullptr;        // null: nothing is in view
+  std::span<const PresentView> views{};     // of each depth sensor; none: nothing is in view
   const octomap::OcTree* octree = nullptr;  // null: what is free is proven to be
   double free_evidence = 0.0;               // that proves it
 };
 
-/// A column or voxel that a motion may not enter, and why. passed_by: out of view, but the
-/// PresentView passes by it.
+/// Of present views, a bit each.
+using ViewMask = std::uint32_t;
+static_assert(kMostDepthSensors <= 32);
+
+/// A column or voxel that a motion may not enter, and why. passed_by: out of view, but these
+/// PresentViews pass by it.
 struct Closed {
   Run run;
   Certificate::Status why;
-  bool passed_by;
+  ViewMask passed_by;
 };
 
 /// The voxels near a body, gathered about the place where it stands and gathered anew when it has
@@ -423,25 +429,32 @@ class Scene {
     using Status = Certificate::Status;
     const bool knows = closing_.unknown != UnknownPolicy::kFree;
     const bool whole = knows && forgotten({i, j});
-    const auto add = [&](const Run& run, Status why, bool passed_by) {
+    const auto add = [&](const Run& run, Status why, ViewMask passed_by) {
       if (!opened_.empty() && opened_.count(run) > 0) return;
       budget_.spend(kNearCost);
       closed_.push_back({run, why, passed_by});
     };
-    const PresentView* view = closing_.view;
     const auto add_unless_shown = [&](const Run& run, const auto& address) {
-      const long long before = view == nullptr ? 0 : view->visits();
-      if (view == nullptr || !view->shows(address)) {
-        add(run, Status::kOutOfView, view != nullptr && view->passes_by(address));
+      long long visits = 0;
+      for (const PresentView& view : closing_.views) visits -= view.visits();
+      const bool shown = std::ranges::any_of(
+          closing_.views, [&](const PresentView& view) { return view.shows(address); });
+      if (!shown) {
+        ViewMask passed_by = 0;
+        for (std::size_t n = 0; n < closing_.views.size(); ++n) {
+          if (closing_.views[n].passes_by(address)) passed_by |= ViewMask{1} << n;
+        }
+        add(run, Status::kOutOfView, passed_by);
       }
-      if (view != nullptr) budget_.spend(view->visits() - before);
+      for (const PresentView& view : closing_.views) visits += view.visits();
+      budget_.spend(visits);
     };
     if (planar_) {
       const Run run{i, j, slice_low_, slice_high_};
       const CellState state = ground_.state({i, j});
       if (knows && (whole || state == CellState::kUnknown ||
                     (state == CellState::kFree && doubtful(i, j, slice_low_, slice_high_)))) {
-        add(run, Status::kUnknownSpace, false);
+        add(run, Status::kUnknownSpace, 0);
       } else if (closing_.only_in_view) {
         add_unless_shown(run, Cell{i, j});
       }
@@ -452,7 +465,7 @@ class Scene {
       const CellState state = voxels_.state(i, j, k);
       if (knows && (whole || state == CellState::kUnknown ||
                     (state == CellState::kFree && doubtful(i, j, k, k)))) {
-        add(run, Status::kUnknownSpace, false);
+        add(run, Status::kUnknownSpace, 0);
       } else if (closing_.only_in_view) {
         add_unless_shown(run, Eigen::Vector3i(i, j, k));
       }
@@ -477,8 +490,9 @@ class Scene {
 /// What a motion has been found to touch so far, and what of that is tolerated.
 class Walk {
  public:
-  Walk(Scene& scene, const std::vector<Part>& exact, const Pose& start, const PresentView* view)
-      : scene_(scene), exact_(exact), body_(&exact), start_(start.position), view_(view) {}
+  Walk(Scene& scene, const std::vector<Part>& exact, const Pose& start,
+       std::span<const PresentView> views)
+      : scene_(scene), exact_(exact), body_(&exact), start_(start.position), views_(views) {}
 
   /// Whether the body is free of the columns that may have drifted by `least` at least.
   bool free(const Pose& pose, const std::vector<Part>& body, double least) const {
@@ -521,10 +535,13 @@ class Walk {
     std::erase_if(contacts_, [](const auto& entry) { return !entry.second.touched; });
     // A robot that turns on the spot looks about.
     const bool unmoved = (pose.position - start_).norm() <= kUnmoved;
-    const bool ahead = view_ != nullptr && view_->keeps_to(pose);
+    ViewMask ahead = 0;
+    for (std::size_t n = 0; n < views_.size(); ++n) {
+      if (views_[n].keeps_to(pose)) ahead |= ViewMask{1} << n;
+    }
     Status status = Status::kOk;
     scene_.closed(exact_, pose, [&](const Closed& c) {
-      if (c.why == Status::kOutOfView && (unmoved || (c.passed_by && ahead))) return true;
+      if (c.why == Status::kOutOfView && (unmoved || (c.passed_by & ahead) != 0)) return true;
       status = c.why;
       return false;
     });
@@ -545,7 +562,7 @@ class Walk {
   const std::vector<Part>& exact_;
   const std::vector<Part>* body_;
   Eigen::Vector3d start_;
-  const PresentView* view_;  // null: nothing is in view, or it does not matter
+  std::span<const PresentView> views_;  // none: nothing is in view, or it does not matter
   std::vector<Widened> widened_;
   std::unordered_map<Run, Contact, RunHash> contacts_;
 };
@@ -593,7 +610,7 @@ Eigen::MatrixXd stopping_tail(const MotionModel& model, const Eigen::Ref<const E
 Certifier::Options Certifier::options_for(const RobotDescription& robot) {
   Options options;
   options.slice = robot.slice();
-  options.sensor = DepthSensor{robot.depth, robot.depth_mount};
+  options.sensors = robot.depth_sensors();
   return options;
 }
 
@@ -636,9 +653,14 @@ Certifier::Certifier(const RobotShape& shape, Options options) : options_(option
     throw std::invalid_argument("certifier: max_checks is " + std::to_string(options.max_checks) +
                                 "; expected >= 1");
   }
-  if (options.sensor) {
-    validate(options.sensor->footprint);
-    validate(options.sensor->mount);
+  if (options.sensors.size() > static_cast<std::size_t>(kMostDepthSensors)) {
+    throw std::invalid_argument("certifier: " + std::to_string(options.sensors.size()) +
+                                " depth sensors; expected at most " +
+                                std::to_string(kMostDepthSensors));
+  }
+  for (const DepthSensor& sensor : options.sensors) {
+    validate(sensor.footprint);
+    validate(sensor.mount);
   }
   auto body = std::make_unique<Body>();
   body->shape = shape;
@@ -684,7 +706,9 @@ class Certifier::Check {
     unbounded_ = unbounded_pose_error(belief, options_.max_lost_error);
     if (!unbounded_.empty()) {
       closing_.only_in_view = true;
-      if (options_.sensor) see(belief, extent.reach, path);
+      views_.reserve(options_.sensors.size());
+      for (const DepthSensor& sensor : options_.sensors) see(belief, sensor, extent.reach, path);
+      closing_.views = views_;
     }
     scene_.emplace(belief, options_.slice, planar_, extent, closing_, budget_);
   }
@@ -692,7 +716,7 @@ class Certifier::Check {
   /// The place where the motion begins, and what is tolerated there. Returns result().ok().
   bool begin(const Pose& pose) {
     checked_ = pose;
-    walk_.emplace(*scene_, body_.exact, pose, closing_.view);
+    walk_.emplace(*scene_, body_.exact, pose, closing_.views);
     double margin = margin_at(pose);
     walk_->tolerate_closed(pose);
     if (options_.zones != nullptr) margin = std::min(margin, enter_zones(pose));
@@ -751,17 +775,15 @@ class Certifier::Check {
   Certificate& result() { return result_; }
 
  private:
-  void see(const Belief& belief, double reach, double path) {
+  void see(const Belief& belief, DepthSensor sensor, double reach, double path) {
     // Farther than it moves nothing is asked for.
-    DepthSensor sensor = *options_.sensor;
     sensor.footprint.max_range =
         std::min(sensor.footprint.max_range,
                  sensor.mount.T_BC.translation().norm() + 2.0 * reach + 1.0 + path);
     const double across = sensor.footprint.max_range / belief.voxels->resolution();
     if (!(across < 1e6)) throw Exhausted{};
     budget_.spend(static_cast<long long>(2.0 * sensor.footprint.horizontal_fov * across * across));
-    view_.emplace(belief, sensor, body_.shape, planar_);
-    closing_.view = &*view_;
+    views_.emplace_back(belief, sensor, body_.shape, planar_);
   }
 
   /// [m] that the body keeps from what all columns hold: less than asked for where it starts
@@ -877,7 +899,7 @@ class Certifier::Check {
   const SurfaceDrift* drift_;  // null: none is minded
   const MapFrame* map_frame_;  // null: it is W
   std::string unbounded_;      // why nothing bounds the error of the pose; empty: something does
-  std::optional<PresentView> view_;
+  std::vector<PresentView> views_;
   Closing closing_;
   std::optional<Scene> scene_;
   std::optional<Walk> walk_;

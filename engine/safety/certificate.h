@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "engine/maps/belief.h"
 #include "engine/maps/surface_drift.h"
@@ -82,7 +83,7 @@ Eigen::MatrixXd stopping_tail(const MotionModel& model, const Eigen::Ref<const E
 ///
 /// A pose whose error nothing bounds (pose_error.h: the covariance is none, or localization is lost
 /// with more than max_lost_error): the map does not tell what is beside or behind the robot. The
-/// motion may enter only ground that the depth sensor has in view now (present_view.h), besides
+/// motion may enter only ground that a depth sensor has in view now (present_view.h), besides
 /// what the body overlaps at the start; without a sensor, none. It may turn on the spot, whatever
 /// its shape, obstacles permitting: that is how it looks about. No margin is applied, as for the
 /// unknown.
@@ -119,7 +120,7 @@ class Certifier {
     /// Probability that known free space is occupied after all, beyond which it counts as unknown,
     /// above 0 to 0.5 (then none does). One look of OctoMap's usual model leaves 0.4, two 0.31.
     double max_doubt = 1.0 / 3.0;
-    std::optional<DepthSensor> sensor;  ///< of the robot; without one nothing is in view
+    std::vector<DepthSensor> sensors{};  ///< of the robot; without one nothing is in view
     /// One-sigma error of the position [m] up to which a lost robot drives by its map; >= 0.
     double max_lost_error = 1.0;
     std::shared_ptr<const ZoneMap> zones{};  ///< null: none
@@ -130,7 +131,7 @@ class Certifier {
     long long max_checks = 1'500'000;
   };
 
-  /// The options that are facts of a robot, slice and sensor; the others as above.
+  /// The options that are facts of a robot, slice and sensors; the others as above.
   static Options options_for(const RobotDescription& robot);
 
   /// Throws std::invalid_argument for an invalid shape or options out of range.

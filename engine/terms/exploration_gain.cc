@@ -16,14 +16,24 @@ namespace {
 
 constexpr double kForever = std::numeric_limits<double>::infinity();
 
-std::shared_ptr<const OcclusionTable> checked(const ExplorationTargets& targets,
-                                              std::shared_ptr<const OcclusionTable> table) {
-  if (!table || table->points() != targets.positions()) {
-    throw std::invalid_argument(
-        "exploration gain: the occlusion table does not hold the targets' positions; expected a "
-        "table made from them, in their order");
+std::vector<FootprintVisibility> visibilities(const ExplorationTargets& targets,
+                                              std::vector<ExplorationGain::Sight> sights,
+                                              const FootprintVisibility::Options& options) {
+  if (sights.empty()) {
+    throw std::invalid_argument("exploration gain: no depth sensor; expected at least one");
   }
-  return table;
+  std::vector<FootprintVisibility> all;
+  const double height = sights.front().sensor.mount.T_BC.translation().z();
+  for (ExplorationGain::Sight& sight : sights) {
+    const double raised = sight.sensor.mount.T_BC.translation().z() - height;
+    if (!sight.table || sight.table->points() != targets.positions(raised)) {
+      throw std::invalid_argument(
+          "exploration gain: the occlusion table does not hold the targets' positions; expected a "
+          "table made from them, in their order");
+    }
+    all.emplace_back(sight.sensor.footprint, sight.sensor.mount, std::move(sight.table), options);
+  }
+  return all;
 }
 
 }  // namespace
@@ -61,9 +71,10 @@ struct ExplorationGain::Views : TermScratch {
 };
 
 struct ExplorationGain::Scratch : TermScratch {
-  Scratch(int targets, int capacity, int stages, int batch)
+  Scratch(int targets, int capacity, int stages, int batch, bool several)
       : max_batch(batch),
         view(targets),
+        united(several ? targets : 0, 5),
         unseen(targets),
         later(targets),
         before(Eigen::Index{capacity} * stages),
@@ -74,6 +85,7 @@ struct ExplorationGain::Scratch : TermScratch {
   }
   int max_batch;
   FootprintVisibility::Scratch view;
+  Eigen::ArrayXXd united;      // of several sensors: v and its derivatives by x, y, z, yaw, of all
   std::unique_ptr<Views> own;  // outside of a Problem; one candidate
   Eigen::ArrayXd unseen;       // prod_{j<k} (1 - p_cj) of the stage in work
   Eigen::ArrayXd later;
@@ -86,7 +98,11 @@ ExplorationGain::ExplorationGain(const ExplorationTargets& targets, const RgbdFo
                                  const CameraMount& mount,
                                  std::shared_ptr<const OcclusionTable> table,
                                  const Options& options, const std::optional<Pose>& present)
-    : visibility_(footprint, mount, checked(targets, std::move(table)), options.visibility),
+    : ExplorationGain(targets, {Sight{{footprint, mount}, std::move(table)}}, options, present) {}
+
+ExplorationGain::ExplorationGain(const ExplorationTargets& targets, std::vector<Sight> sights,
+                                 const Options& options, const std::optional<Pose>& present)
+    : visibility_(visibilities(targets, std::move(sights), options.visibility)),
       mass_(static_cast<Eigen::Index>(targets.targets.size())),
       reference_area_(targets.reference_area),
       options_(options) {
@@ -110,7 +126,12 @@ ExplorationGain::ExplorationGain(const ExplorationTargets& targets, const RgbdFo
   seen_.setZero(mass_.size());
   if (present) {
     FootprintVisibility::Scratch scratch(num_targets());
-    visibility_.evaluate(*present, scratch, seen_.data());
+    visibility_.front().evaluate(*present, scratch, seen_.data());
+    Eigen::ArrayXd other(seen_.size());
+    for (std::size_t n = 1; n < visibility_.size(); ++n) {
+      visibility_[n].evaluate(*present, scratch, other.data());
+      seen_ += other * (1.0 - seen_);
+    }
     if (!seen_.allFinite()) {
       throw std::invalid_argument("exploration gain: the present pose is not finite");
     }
@@ -135,20 +156,22 @@ std::optional<ResidualForm> ExplorationGain::residual_form(const Horizon& horizo
 
 std::unique_ptr<TermScratch> ExplorationGain::make_scratch(const Horizon& horizon,
                                                            int max_batch) const {
-  return std::make_unique<Scratch>(num_targets(), visibility_.capacity(), horizon.N, max_batch);
+  return std::make_unique<Scratch>(num_targets(), visibility_.front().capacity(), horizon.N,
+                                   max_batch, visibility_.size() > 1);
 }
 
 ExplorationGain::Candidate ExplorationGain::view(const TrajectoryBatch& t, int b, bool gradient,
                                                  Scratch& s) const {
   const int N = t.horizon.N;
+  const int capacity = visibility_.front().capacity();
   SharedResults* const shared = t.shared.get();
   Views* views = nullptr;
   int place = 0;
   bool score = false;
   if (shared) {
-    views = &shared->get<Views>(
-        this, [&] { return std::make_unique<Views>(visibility_.capacity(), N, s.max_batch); });
-    if (views->stamp.size() < t.batch()) *views = Views(visibility_.capacity(), N, t.batch());
+    views = &shared->get<Views>(this,
+                                [&] { return std::make_unique<Views>(capacity, N, s.max_batch); });
+    if (views->stamp.size() < t.batch()) *views = Views(capacity, N, t.batch());
     place = b;
     // Whoever comes first computes what others will ask for.
     gradient = gradient || shared->request().gradient;
@@ -158,7 +181,7 @@ ExplorationGain::Candidate ExplorationGain::view(const TrajectoryBatch& t, int b
     }
     if (views->stamp[place] == views->newest) return {*views, place};
   } else {
-    if (!s.own) s.own = std::make_unique<Views>(visibility_.capacity(), N, 1);
+    if (!s.own) s.own = std::make_unique<Views>(capacity, N, 1);
     views = s.own.get();
     views->begin(1, gradient);
   }
@@ -174,13 +197,54 @@ ExplorationGain::Candidate ExplorationGain::view(const TrajectoryBatch& t, int b
       at.d_z = l.d_z.data() + l.used;
       at.d_yaw = l.d_yaw.data() + l.used;
     }
-    l.count(k, place) = visibility_.view(t.pose(k, b), s.view, at);
+    l.count(k, place) = look(t.pose(k, b), s, at);
     discount(at, l.count(k, place));
     l.start(k, place) = l.used;
     l.used += FootprintKernel::padded(std::max(l.count(k, place), 0));
   }
   l.stamp[place] = l.newest;
   return {l, place};
+}
+
+int ExplorationGain::look(const Pose& pose, Scratch& s,
+                          const FootprintVisibility::Views& views) const {
+  if (visibility_.size() == 1) return visibility_.front().view(pose, s.view, views);
+  const bool gradient = views.d_x != nullptr;
+  FootprintVisibility::Views one{.point = s.view.point.data(), .q = s.view.q.data()};
+  one.score = views.score;
+  if (gradient) {
+    one.d_x = s.view.q_x.data();
+    one.d_y = s.view.q_y.data();
+    one.d_z = s.view.q_z.data();
+    one.d_yaw = s.view.q_yaw.data();
+  }
+  s.united.setZero();
+  for (const FootprintVisibility& sensor : visibility_) {
+    const int n = sensor.view(pose, s.view, one);
+    if (n < 0) return n;
+    for (int j = 0; j < n; ++j) {
+      auto v = s.united.row(one.point[j]);
+      const double q = one.q[j], before = v[0];
+      v[0] = before + q * (1.0 - before);
+      if (!gradient) continue;
+      const double slopes[] = {one.d_x[j], one.d_y[j], one.d_z[j], one.d_yaw[j]};
+      for (int a = 0; a < 4; ++a) v[a + 1] = v[a + 1] * (1.0 - q) + slopes[a] * (1.0 - before);
+    }
+  }
+  int n = 0;
+  for (int c = 0; c < num_targets(); ++c) {
+    if (s.united(c, 0) == 0.0) continue;
+    views.point[n] = c;
+    views.q[n] = s.united(c, 0);
+    if (gradient) {
+      views.d_x[n] = s.united(c, 1);
+      views.d_y[n] = s.united(c, 2);
+      views.d_z[n] = s.united(c, 3);
+      views.d_yaw[n] = s.united(c, 4);
+    }
+    ++n;
+  }
+  return n;
 }
 
 void ExplorationGain::discount(const FootprintVisibility::Views& at, int n) const {

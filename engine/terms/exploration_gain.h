@@ -4,12 +4,14 @@
 #include <memory>
 #include <optional>
 #include <string_view>
+#include <vector>
 
 #include "engine/features/footprint_visibility.h"
 #include "engine/frontiers/exploration_targets.h"
 #include "engine/problem/term.h"
 #include "engine/terms/new_surface.h"
 #include "models/camera.h"
+#include "models/robot_description.h"
 
 namespace prospect {
 
@@ -20,16 +22,18 @@ class OcclusionTable;
 ///   gain = sum_c m_c (1 - prod_{k=1..N} (1 - eta q_ck e^{-t_k / tau})) / A_ref      [-], >= 0
 ///   q_ck = max(0, v_ck - v_c0)^2 / (v_ck (1 - v_c0))
 ///
-/// v_ck is FootprintVisibility of target c at stage k, t_k = k dt. With independent views the
-/// bracket is the probability that c is seen at least once, so no cell counts twice. But a view
-/// from where the robot stands is not independent of the one that it has just taken: what it could
-/// see is seen, and a target that is unknown all the same needs a better view. q_ck is the share of
-/// it, (v_ck - v_c0) / (1 - v_c0) where that is positive, made C1 like the cut-off of v. Otherwise
-/// every plan stands still a while before cells that it half sees, and every replan again: with
-/// sensors that leave some cells unresolved the robot stares at them. v_c0 is of the pose
-/// `present`, constant; 0 without one. The factor e^{-t/tau} is a time preference: without it
-/// looking later costs the same as looking now, and every replan defers again. Stage 0 is the
-/// present and cannot be chosen; it does not count.
+/// v_ck is FootprintVisibility of target c at stage k, t_k = k dt; of several depth sensors s,
+/// which look independently, v_ck = 1 - prod_s (1 - v_cks): a place that one of them sees is seen.
+/// Each sees a target at its own height, as a target stands for columns (positions(raised)). With
+/// independent views the bracket is the probability that c is seen at least once, so no cell counts
+/// twice. But a view from where the robot stands is not independent of the one that it has just
+/// taken: what it could see is seen, and a target that is unknown all the same needs a better view.
+/// q_ck is the share of it, (v_ck - v_c0) / (1 - v_c0) where that is positive, made C1 like the
+/// cut-off of v. Otherwise every plan stands still a while before cells that it half sees, and
+/// every replan again: with sensors that leave some cells unresolved the robot stares at them. v_c0
+/// is of the pose `present`, constant; 0 without one. The factor e^{-t/tau} is a time preference:
+/// without it looking later costs the same as looking now, and every replan defers again. Stage 0
+/// is the present and cannot be chosen; it does not count.
 ///
 /// The raw value is the gain, a reward: its weight in a Problem is negative (-w_e).
 /// The gradient runs over suffix products instead of dividing by (1 - eta q): exact for eta up
@@ -58,8 +62,18 @@ class ExplorationGain : public Term, public NewSurface {
     FootprintVisibility::Options visibility;
   };
 
-  /// `table` holds exactly the targets' positions. Throws std::invalid_argument otherwise, or for
-  /// an option out of its range or a present pose that is not finite.
+  /// A depth sensor, and its lines of sight to the targets, raised to its height.
+  struct Sight {
+    DepthSensor sensor;
+    std::shared_ptr<const OcclusionTable> table;
+  };
+
+  /// At least one sight; that of sensor n has a table of exactly positions(height of n - height of
+  /// 0), heights those of the mounts. Throws std::invalid_argument otherwise, or for an option out
+  /// of its range or a present pose that is not finite.
+  ExplorationGain(const ExplorationTargets& targets, std::vector<Sight> sights,
+                  const Options& options, const std::optional<Pose>& present = std::nullopt);
+  /// Of one sensor.
   ExplorationGain(const ExplorationTargets& targets, const RgbdFootprint& footprint,
                   const CameraMount& mount, std::shared_ptr<const OcclusionTable> table,
                   const Options& options, const std::optional<Pose>& present = std::nullopt);
@@ -94,6 +108,8 @@ class ExplorationGain : public Term, public NewSurface {
   /// The views of candidate b, with derivatives if `gradient`: shared where that can be, else in
   /// the scratch.
   Candidate view(const TrajectoryBatch& t, int b, bool gradient, Scratch& s) const;
+  /// The targets that can be seen from a pose, by any sensor: as FootprintVisibility::view().
+  int look(const Pose& pose, Scratch& s, const FootprintVisibility::Views& views) const;
   /// Turns v and its derivatives into q and its own (see above), of n looks.
   void discount(const FootprintVisibility::Views& at, int n) const;
   /// s.area[k] = sum_c m_c p_ck prod_{j<k} (1 - p_cj) with p_ck = eta q_ck e^{-t_k / tau}, and what
@@ -106,7 +122,7 @@ class ExplorationGain : public Term, public NewSurface {
   void add_adjoint(const TrajectoryBatch& t, int b, Candidate candidate, const double* adjoint,
                    double scale, Scratch& s, TermOutput& out) const;
 
-  FootprintVisibility visibility_;
+  std::vector<FootprintVisibility> visibility_;  // a sensor each
   Eigen::ArrayXd mass_;
   Eigen::ArrayXd seen_;  // v_c0
   double reference_area_;

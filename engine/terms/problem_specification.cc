@@ -61,6 +61,23 @@ GridFrame cut(const GridFrame& frame, const Box& box) {
   return part;
 }
 
+/// What a depth sensor's lines of sight are made from.
+struct TargetRays {
+  DepthSensor sensor;
+  SensorLattice lattice;
+  std::vector<Eigen::Vector3d> targets;  // at the sensor's height
+};
+
+std::vector<TargetRays> target_rays(const ProblemSpecification& s) {
+  std::vector<TargetRays> all;
+  const double height = s.robot.depth_mount.T_BC.translation().z();
+  for (const DepthSensor& sensor : s.robot.depth_sensors()) {
+    all.push_back({sensor, all.empty() ? s.target_lattice : s.more_target_lattices[all.size() - 1],
+                   s.targets.positions(sensor.mount.T_BC.translation().z() - height)});
+  }
+  return all;
+}
+
 }  // namespace
 
 std::vector<Eigen::Vector3d> positions(const std::vector<Landmark>& landmarks) {
@@ -106,12 +123,19 @@ void update_views(const ProblemSpecification& specification, CachedEvaluators& e
   evaluators.prediction = std::make_shared<const VisibilityPrediction>(
       specification.landmarks, specification.robot.stereo, specification.robot.stereo_mount,
       evaluators.landmark_table, specification.visibility);
-  evaluators.target_table = std::make_shared<const OcclusionTable>(
-      specification.target_lattice, specification.targets.positions(), specification.voxels,
-      specification.target_occlusion, evaluators.target_table.get(), take_over_until);
+  require(specification.more_target_lattices.size() == specification.robot.more_depth.size(),
+          "lattice of each depth sensor");
+  std::vector<ExplorationGain::Sight> sights;
+  evaluators.target_tables.resize(1 + specification.robot.more_depth.size());
+  for (const TargetRays& of : target_rays(specification)) {
+    std::shared_ptr<const OcclusionTable>& table = evaluators.target_tables[sights.size()];
+    table = std::make_shared<const OcclusionTable>(of.lattice, of.targets, specification.voxels,
+                                                   specification.target_occlusion, table.get(),
+                                                   take_over_until);
+    sights.push_back({of.sensor, table});
+  }
   evaluators.gain = std::make_shared<const ExplorationGain>(
-      specification.targets, specification.robot.depth, specification.robot.depth_mount,
-      evaluators.target_table, specification.gain,
+      specification.targets, std::move(sights), specification.gain,
       specification.robot.model->pose(specification.x0));
   evaluators.visible_features = std::make_shared<const VisibleFeatures>(
       evaluators.prediction, specification.features,
@@ -153,7 +177,7 @@ std::shared_ptr<const Problem> make_problem(const ProblemSpecification& specific
   update_views(specification, evaluators);
   update_added_terms(specification, evaluators);
   evaluators.landmark_table->cast_all();
-  evaluators.target_table->cast_all();
+  for (const auto& table : evaluators.target_tables) table->cast_all();
   return assemble_problem(specification, evaluators);
 }
 
@@ -177,8 +201,9 @@ ProblemSpecification with_maps_cut(ProblemSpecification specification) {
   Box box = window;
   box.include(rays(specification.landmark_lattice, specification.landmark_occlusion,
                    positions(specification.landmarks)));
-  box.include(rays(specification.target_lattice, specification.target_occlusion,
-                   specification.targets.positions()));
+  for (const TargetRays& of : target_rays(specification)) {
+    box.include(rays(of.lattice, specification.target_occlusion, of.targets));
+  }
 
   const GridFrame columns = cut(voxels.frame(), box);
   const auto [k0, depth] = cut(voxels.k0(), voxels.depth(), box.low.z(), box.high.z(), r);

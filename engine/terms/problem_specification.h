@@ -77,6 +77,8 @@ struct ProblemSpecification {
   // Exploration.
   ExplorationTargets targets;
   SensorLattice target_lattice;  ///< of the depth sensor
+  /// Of robot.more_depth, one each.
+  std::vector<SensorLattice> more_target_lattices{};
   OcclusionTable::Options target_occlusion;
   ExplorationGain::Options gain;
 
@@ -101,7 +103,8 @@ struct ClearanceEvaluators {
 /// What a problem is put together from. Handed on to the next step of the same robot, where what
 /// has not changed need not be computed again; the result has the same bits either way.
 struct CachedEvaluators : ClearanceEvaluators {
-  std::shared_ptr<const OcclusionTable> landmark_table, target_table;
+  std::shared_ptr<const OcclusionTable> landmark_table;
+  std::vector<std::shared_ptr<const OcclusionTable>> target_tables;  ///< of each depth sensor
   std::shared_ptr<const VisibilityPrediction> prediction;
   std::shared_ptr<const ExplorationGain> gain;
   std::shared_ptr<const VisibleFeatures> visible_features;

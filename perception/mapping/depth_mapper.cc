@@ -137,6 +137,7 @@ bool DepthMapper::make_scan(const DepthImage& image, MappedFrame& frame, DepthSc
   const Eigen::Vector3d t = frame.T_WC.translation();
   const double reach = options_.map.max_range;
   scan.origin = t;
+  scan.reach = reach;
   int points = 0, far_below = 0;
   // Between a nearer and a farther neighbour; one without a depth may be either, so that losing
   // pixels never adds knowledge.

@@ -149,6 +149,7 @@ DepthScan transform(const DepthScan& scan_B, const Pose& pose) {
   const Eigen::Matrix3d R =
       Eigen::AngleAxisd(pose.yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix();
   DepthScan scan;
+  scan.reach = scan_B.reach;
   scan.origin = R * scan_B.origin + pose.position;
   scan.hits.reserve(scan_B.hits.size());
   scan.misses.reserve(scan_B.misses.size());
@@ -655,7 +656,9 @@ void OccupancyMapper::insert(const DepthScan& scan) {
   const double limit = (kMaxAddress - 512) * r;
   if (!scan.origin.allFinite() || scan.origin.cwiseAbs().maxCoeff() > limit) return;
 
-  const int reach = static_cast<int>(std::ceil(m.options.max_range / r)) + 2;
+  if (!(scan.reach > 0.0)) return;
+  const double max_range = std::min(m.options.max_range, scan.reach);
+  const int reach = static_cast<int>(std::ceil(max_range / r)) + 2;
   for (int a = 0; a < 3; ++a) {
     const int center = address_of(scan.origin[a], r);
     int low = center - reach;
@@ -675,14 +678,14 @@ void OccupancyMapper::insert(const DepthScan& scan) {
   if (m.marks.size() < volume) m.marks.resize(volume, 0);
 
   const auto walk_miss = [&](const Eigen::Vector3d& direction) {
-    m.mark_ray(scan.origin, scan.origin + direction * m.options.max_range, false);
+    m.mark_ray(scan.origin, scan.origin + direction * max_range, false);
   };
   for (const Eigen::Vector3d& point : scan.hits) {
     const Eigen::Vector3d ray = point - scan.origin;
     const double range = ray.norm();
     if (!std::isfinite(range) || range < 1e-9) continue;
     const Eigen::Vector3d direction = ray / range;
-    if (range > m.options.max_range) {
+    if (range > max_range) {
       walk_miss(direction);
       continue;
     }

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -27,6 +28,8 @@ struct DepthScan {
   std::vector<Eigen::Vector3d> hits;
   /// Any point on each ray (beyond the origin) that met nothing within the sensor's range.
   std::vector<Eigen::Vector3d> misses;
+  /// How far the sensor measures [m], > 0; what the map's max_range is beyond it does not count.
+  double reach = std::numeric_limits<double>::infinity();
 };
 
 /// A scan given in B, in the frame of `pose`.
@@ -79,8 +82,8 @@ std::string layers_misfit(const OccupancyMapperOptions& options);
 ///
 /// One scan updates each voxel at most once, as OctoMap does: l += log-odds of a hit if any ray
 /// ends in the voxel, else of a miss if any ray clears it, clamped to the bounds. A hit beyond
-/// max_range clears up to max_range; a miss clears up to max_range. The rays are walked voxel by
-/// voxel, exactly.
+/// R = min(max_range, the scan's reach) clears up to R; a miss clears up to R. The rays are walked
+/// voxel by voxel, exactly.
 ///
 /// What a ray clears. Pierced is not enough: a ray that only touches a voxel does not show that
 /// there is no surface beside it, and a pose that is off takes rays along a surface into it.

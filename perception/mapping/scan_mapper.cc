@@ -1,5 +1,6 @@
 #include "perception/mapping/scan_mapper.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <unordered_set>
@@ -29,8 +30,9 @@ ScanMapper::ScanMapper(const ScanMapperOptions& options, std::shared_ptr<Occupan
 bool ScanMapper::make_scan(const DepthScan& scan_S, const Eigen::Isometry3d& T_WS,
                            MappedFrame& frame, DepthScan& scan) const {
   const Eigen::Vector3d t = T_WS.translation();
-  const double reach = options_.map.max_range;
+  const double reach = std::min(options_.map.max_range, scan_S.reach);
   scan.origin = t;
+  scan.reach = reach;
   std::unordered_set<std::uint64_t> cubes;
   const auto first_in_its_cube = [&](const Eigen::Vector3d& p) {
     return cubes.insert(lattice_cell(p, options_.point_spacing * options_.map.resolution)).second;

@@ -25,8 +25,11 @@ std::string_view to_string(InputState state) {
   return kNames[static_cast<std::size_t>(state)];
 }
 
-std::optional<InputResult> InputLog::objection(InputSource source, double stamp) {
-  InputCount& own = counts_[index(source)];
+std::optional<InputResult> InputLog::objection(InputSource source, double stamp, int sensor) {
+  InputCount& own = at(source, sensor);
+  const auto note = [&](InputSource, const InputResult& result) {
+    return this->note(source, result, false, sensor);
+  };
   if (!std::isfinite(stamp)) {
     return note(source, {InputState::kRefused, "the time is not a number"});
   }
@@ -50,8 +53,21 @@ std::optional<InputResult> InputLog::objection(InputSource source, double stamp)
   return std::nullopt;
 }
 
-const InputResult& InputLog::note(InputSource source, const InputResult& result, bool has_waited) {
-  InputCount& own = counts_[index(source)];
+std::optional<double> InputLog::oldest_of_more() const {
+  std::map<int, double> newest;
+  for (const auto& [of, count] : more_) {
+    if (!count.newest) continue;
+    const auto [at, first] = newest.emplace(of.first, *count.newest);
+    at->second = std::max(at->second, *count.newest);
+  }
+  std::optional<double> oldest;
+  for (const auto& [sensor, stamp] : newest) oldest = std::min(oldest.value_or(stamp), stamp);
+  return oldest;
+}
+
+const InputResult& InputLog::note(InputSource source, const InputResult& result, bool has_waited,
+                                  int sensor) {
+  InputCount& own = at(source, sensor);
   own.waiting -= has_waited;
   own.taken += result.state == InputState::kTaken;
   own.waiting += result.state == InputState::kWaiting;

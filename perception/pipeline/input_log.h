@@ -3,9 +3,11 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 
 namespace prospect {
 
@@ -33,8 +35,8 @@ struct InputCount {
   std::string reason;  ///< why the newest that was left out was
 };
 
-/// Judges stamps and counts what becomes of inputs. The sources have one clock.
-/// Thread-safety: one thread. Never throws. Deterministic.
+/// Judges stamps and counts what becomes of inputs. The sources have one clock. Each depth sensor
+/// is a source of its own, by its number. Thread-safety: one thread. Never throws. Deterministic.
 class InputLog {
  public:
   /// Of an input against the newest of all sources [s]: max_age, how far it may be behind, and
@@ -45,18 +47,26 @@ class InputLog {
   /// Whether an input may be looked at: its stamp is finite, newer than the one before of its
   /// source, and neither too old nor too far ahead. Then it is the newest of
   /// its source from now on. Otherwise it is counted as left out, and what to say is returned.
-  std::optional<InputResult> objection(InputSource source, double stamp);
+  std::optional<InputResult> objection(InputSource source, double stamp, int sensor = 0);
   /// Counts what became of an input; one that waits is counted again when it no longer does.
-  const InputResult& note(InputSource source, const InputResult& result, bool has_waited = false);
+  const InputResult& note(InputSource source, const InputResult& result, bool has_waited = false,
+                          int sensor = 0);
 
   const InputCount& count(InputSource source) const { return counts_[index(source)]; }
+  /// Of depth sensors besides the first: the stamp up to which each of them has been heard of, of
+  /// the one that is farthest behind; none: there is none, or nothing has come.
+  std::optional<double> oldest_of_more() const;
 
  private:
+  InputCount& at(InputSource source, int sensor) {
+    return sensor == 0 ? counts_[index(source)] : more_[{sensor, source}];
+  }
   static std::size_t index(InputSource source) { return static_cast<std::size_t>(source); }
 
   double max_age_, max_leap_;
   std::array<InputCount, 5> counts_;
-  std::optional<double> newest_;  // of all
+  std::map<std::pair<int, InputSource>, InputCount> more_;  // of sensors from 1 on
+  std::optional<double> newest_;                            // of all
 };
 
 }  // namespace prospect

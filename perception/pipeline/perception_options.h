@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <map>
 #include <optional>
 
 #include "models/camera.h"
@@ -20,12 +21,16 @@ class Knobs;
 struct DepthCameraOnBody {
   PinholeCamera camera;
   CameraMount mount;
+  std::optional<DepthRange>
+      range{};  ///< that it believes; none: PerceptionOptions::depth_mapping's
 };
 
 /// How a robot perceives, whatever gives its images: its own cameras, a simulator's or a recording.
 struct PerceptionOptions {
   CameraMount stereo_mount;                       ///< of the left camera, if there is one
   std::optional<DepthCameraOnBody> depth_camera;  ///< none: depth images are refused
+  /// Depth cameras besides it, by the number of the depth sensor, from 1 on.
+  std::map<int, DepthCameraOnBody> more_depth_cameras{};
   StereoOdometryOptions odometry;
   OccupancyMapperOptions mapping;    ///< of the one map
   DepthMapperOptions depth_mapping;  ///< how depth images enter it; its `map` is not used

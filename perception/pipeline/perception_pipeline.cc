@@ -7,6 +7,8 @@
 #include <cstdio>
 #include <limits>
 #include <stdexcept>
+#include <string>
+#include <tuple>
 #include <vector>
 
 #include "engine/maps/pose_error.h"
@@ -14,6 +16,7 @@
 #include "models/knobs.h"
 #include "models/parameter_check.h"
 #include "models/reason.h"
+#include "models/robot_description.h"
 #include "perception/mapping/pose_check.h"
 #include "perception/odometry/body_pose.h"
 #include "perception/odometry/lattice_cell.h"
@@ -35,9 +38,13 @@ ScanMapperOptions scans_of(const PerceptionOptions& options) {
   return scans;
 }
 
-DepthMapperOptions depths_of(const PerceptionOptions& options) {
+DepthMapperOptions depths_of(const PerceptionOptions& options, const DepthCameraOnBody& camera) {
   DepthMapperOptions depths = options.depth_mapping;
   depths.map = options.mapping;
+  if (camera.range) {
+    depths.range = *camera.range;
+    depths.map.max_range = std::min(depths.map.max_range, camera.range->max);
+  }
   return depths;
 }
 
@@ -120,7 +127,6 @@ PerceptionPipeline::PerceptionPipeline(std::unique_ptr<Odometry> odometry,
       reader_(options.stereo_mount.T_BC),
       fusion_(fusion_of(options)),
       map_(std::make_shared<OccupancyMapper>(options.mapping)),
-      scan_mapper_(scans_of(options), map_),
       builder_(options.stereo_mount.T_BC),
       density_(options.feature_density),
       log_(options.max_age, options.max_leap),
@@ -128,9 +134,12 @@ PerceptionPipeline::PerceptionPipeline(std::unique_ptr<Odometry> odometry,
       pose_at_fix_(options.start) {
   check(options);
   if (camera) validate(*camera);
-  if (options.depth_camera) {
-    validate(options.depth_camera->mount);
-    mapper_.emplace(options.depth_camera->camera, depths_of(options), map_);
+  ScanMapper(scans_of(options), map_);  // says what is wrong with them now
+  if (options.depth_camera) options_.more_depth_cameras.emplace(0, *options.depth_camera);
+  for (const auto& [sensor, on_body] : options_.more_depth_cameras) {
+    validate(on_body.mount);
+    mappers_.emplace(std::piecewise_construct, std::forward_as_tuple(sensor),
+                     std::forward_as_tuple(on_body.camera, depths_of(options, on_body), map_));
   }
   frame_.T_WC = start_pose(options);
 }
@@ -251,23 +260,32 @@ InputResult PerceptionPipeline::correct(const Correction& correction) {
   return {InputState::kRefused, answer.why};
 }
 
-InputResult PerceptionPipeline::depth(double stamp, DepthImage image) {
-  if (!mapper_) {
+InputResult PerceptionPipeline::depth(double stamp, DepthImage image, int sensor) {
+  if (!mappers_.contains(sensor)) {
     return log_.note(InputSource::kDepth,
                      {InputState::kRefused, "the options say that there is no depth camera"});
   }
-  if (const auto objection = log_.objection(InputSource::kDepth, stamp)) return *objection;
-  depth_ = std::make_shared<const DepthImage>(std::move(image));
-  compare();
-  return take({stamp, depth_, {}});
+  if (const auto objection = log_.objection(InputSource::kDepth, stamp, sensor)) return *objection;
+  const auto shared = std::make_shared<const DepthImage>(std::move(image));
+  if (sensor == 0) {
+    depth_ = shared;
+    compare();
+  }
+  return take({stamp, shared, {}, sensor});
 }
 
-InputResult PerceptionPipeline::scan(double stamp, DepthScan in_B) {
-  if (const auto objection = log_.objection(InputSource::kScan, stamp)) return *objection;
-  if (finite_rays(in_B) == 0) {
-    return log_.note(InputSource::kScan, {InputState::kRefused, "no ray is finite"});
+InputResult PerceptionPipeline::scan(double stamp, DepthScan in_B, int sensor) {
+  if (sensor < 0 || sensor >= kMostDepthSensors) {
+    return log_.note(
+        InputSource::kScan,
+        {InputState::kRefused, "of sensor " + std::to_string(sensor) + "; expected 0 to " +
+                                   std::to_string(kMostDepthSensors - 1)});
   }
-  return take({stamp, nullptr, std::move(in_B)});
+  if (const auto objection = log_.objection(InputSource::kScan, stamp, sensor)) return *objection;
+  if (finite_rays(in_B) == 0) {
+    return log_.note(InputSource::kScan, {InputState::kRefused, "no ray is finite"}, false, sensor);
+  }
+  return take({stamp, nullptr, std::move(in_B), sensor});
 }
 
 InputSource PerceptionPipeline::source_of(const Waiting& input) {
@@ -281,14 +299,17 @@ bool PerceptionPipeline::ahead(double stamp) const {
 
 InputResult PerceptionPipeline::take(Waiting input) {
   const InputSource source = source_of(input);
-  if (!ahead(input.stamp)) return log_.note(source, enter(input));
-  const InputResult waits = log_.note(source, {InputState::kWaiting, "its pose is not known yet"});
+  const int sensor = input.sensor;
+  if (!ahead(input.stamp)) return log_.note(source, enter(input), false, sensor);
+  const InputResult waits =
+      log_.note(source, {InputState::kWaiting, "its pose is not known yet"}, false, sensor);
   const auto later = std::find_if(waiting_.begin(), waiting_.end(),
                                   [&](const Waiting& w) { return w.stamp > input.stamp; });
   waiting_.insert(later, std::move(input));
   while (static_cast<int>(waiting_.size()) > options_.most_waiting) {
     log_.note(source_of(waiting_.front()),
-              {InputState::kLate, "no pose of its time came while it waited"}, true);
+              {InputState::kLate, "no pose of its time came while it waited"}, true,
+              waiting_.front().sensor);
     waiting_.pop_front();
   }
   return waits;
@@ -298,13 +319,14 @@ void PerceptionPipeline::enter_waiting() {
   while (!waiting_.empty() && !ahead(waiting_.front().stamp)) {
     const Waiting input = std::move(waiting_.front());
     waiting_.pop_front();
-    log_.note(source_of(input), enter(input), true);
+    log_.note(source_of(input), enter(input), true, input.sensor);
   }
 }
 
 MappedFrame PerceptionPipeline::enter_depth(const Waiting& input, const BodyPose& body) {
-  return mapper_->process(input.stamp, *input.depth, body.T_WB * options_.depth_camera->mount.T_BC,
-                          body.state);
+  const CameraMount& mount = options_.more_depth_cameras.at(input.sensor).mount;
+  return mappers_.at(input.sensor)
+      .process(input.stamp, *input.depth, body.T_WB * mount.T_BC, body.state);
 }
 
 MappedFrame PerceptionPipeline::enter_scan(const Waiting& input, const BodyPose& body) {
@@ -314,8 +336,9 @@ MappedFrame PerceptionPipeline::enter_scan(const Waiting& input, const BodyPose&
   scan_S.origin.setZero();
   for (Eigen::Vector3d& p : scan_S.hits) p -= origin;
   for (Eigen::Vector3d& p : scan_S.misses) p -= origin;
-  return scan_mapper_.process(input.stamp, scan_S, body.T_WB * Eigen::Translation3d(origin),
-                              body.state);
+  return scan_mappers_.try_emplace(input.sensor, scans_of(options_), map_)
+      .first->second.process(input.stamp, scan_S, body.T_WB * Eigen::Translation3d(origin),
+                             body.state);
 }
 
 InputResult PerceptionPipeline::enter(const Waiting& input) {
@@ -463,7 +486,7 @@ void PerceptionPipeline::count_landmarks() {
 
 MapState PerceptionPipeline::map_state() const {
   if (map_stamp_) return MapState::kMapped;
-  const bool source = mapper_ || log_.count(InputSource::kScan).newest;
+  const bool source = !mappers_.empty() || log_.count(InputSource::kScan).newest;
   return source ? MapState::kNoneYet : MapState::kNoSource;
 }
 
@@ -499,6 +522,9 @@ std::shared_ptr<const Belief> PerceptionPipeline::belief(double stamp) {
   if (depth || scan) {
     constexpr double kNever = -std::numeric_limits<double>::infinity();
     belief.stamps.ranges = std::max(depth.value_or(kNever), scan.value_or(kNever));
+    if (const auto more = log_.oldest_of_more()) {
+      belief.stamps.ranges = std::min(belief.stamps.ranges, *more);
+    }
   }
   return std::make_shared<const Belief>(std::move(belief));
 }

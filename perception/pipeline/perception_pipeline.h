@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <cstdint>
 #include <deque>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -106,7 +107,9 @@ struct ExternalPose {
 /// result of the call says so, and input() keeps count. Nothing is left out in silence. What has
 /// stopped shows in the stamps of the belief, whose age a guard limits (SourceStamps, guard.h).
 ///
-/// Maps. A depth image enters through DepthMapper, a scan through ScanMapper, both into one map.
+/// Maps. A depth image enters through DepthMapper, a scan through ScanMapper, one for each sensor,
+/// all into one map, each ray from where its sensor is. What is held against the stereo pair is the
+/// first depth camera.
 /// Where the pose of its time is degraded or lost neither does, as what a wrong pose enters is not
 /// taken out again. Without either nothing is mapped: map_state() says so, and the belief's maps
 /// hold what map() was given.
@@ -143,9 +146,10 @@ class PerceptionPipeline {
   InputResult external_pose(const ExternalPose& pose);
   /// Of the map's frame; a refusal says why.
   InputResult correct(const Correction& correction);
-  InputResult depth(double stamp, DepthImage image);
+  /// sensor: which of the robot's depth sensors; each is a source of its own.
+  InputResult depth(double stamp, DepthImage image, int sensor = 0);
   /// in_B: as DepthScan, with origin and points in B [m].
-  InputResult scan(double stamp, DepthScan in_B);
+  InputResult scan(double stamp, DepthScan in_B, int sensor = 0);
 
   /// What is known at `stamp` [s], or at the newest measurement if that is later; with wheels the
   /// robot is taken to go on up to then. Never null. Of landmarks the survival is that to the next
@@ -182,6 +186,7 @@ class PerceptionPipeline {
     double stamp = 0.0;
     std::shared_ptr<const DepthImage> depth;  // null: a scan
     DepthScan scan;
+    int sensor = 0;
   };
   PerceptionPipeline(std::unique_ptr<Odometry> odometry, const std::optional<StereoCamera>& camera,
                      const PerceptionOptions& options);
@@ -215,8 +220,8 @@ class PerceptionPipeline {
   VisualMotionReader reader_;
   WheelFusion fusion_;
   std::shared_ptr<OccupancyMapper> map_;
-  std::optional<DepthMapper> mapper_;
-  ScanMapper scan_mapper_;
+  std::map<int, DepthMapper> mappers_;      // of each depth camera
+  std::map<int, ScanMapper> scan_mappers_;  // of each sensor that has sent a scan
   BeliefBuilder builder_;
   LandmarkMemory memory_;
   FeatureDensity density_;

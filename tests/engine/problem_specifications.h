@@ -21,10 +21,12 @@ struct NamedSpecification {
 inline NamedSpecification specification_of(const std::string& name, std::string_view model,
                                            const PlannerParameters& parameters, int landmarks = 120,
                                            Localization localization = Localization::kOk,
-                                           const RobotShape& shape = CylinderShape{}) {
+                                           const RobotShape& shape = CylinderShape{},
+                                           const std::vector<DepthSensor>& more_depth = {}) {
   PlanningScene scene(model, parameters, landmarks);
   RobotDescription robot = scene.planner->robot();
   robot.shape = shape;
+  robot.more_depth = more_depth;
   Planner planner(robot, parameters, std::make_shared<IdleSolver>());
   Belief belief = scene.belief;
   for (int step = 0; step < 3; ++step) {
@@ -82,6 +84,11 @@ inline std::vector<NamedSpecification> specifications_of_every_kind() {
   with(
       "hull", [](auto&) {}, 120, Localization::kOk,
       ConvexShape{{{0.2, 0, 0.15}, {-0.2, 0.15, 0.15}, {-0.2, -0.15, 0.15}, {0, 0, 0.5}}});
+  with(
+      "three depth sensors", [](auto&) {}, 120, Localization::kOk, CylinderShape{},
+      std::vector<DepthSensor>{
+          {RgbdFootprint{}, {CameraMount::forward_facing({-0.1, 0.0, 0.45}, M_PI)}},
+          {RgbdFootprint{2.0 * M_PI, 0.0, 0.1, 6.0}, {CameraMount::forward_facing({0, 0, 0.3})}}});
   return all;
 }
 

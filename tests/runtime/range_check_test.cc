@@ -58,8 +58,8 @@ TEST(RangeCheck, AsksOfWhatIsInTheInbox) {
   options.depth_in_runtime_clock = options.scan_in_runtime_clock = true;
   SensorInbox inbox(clock, options);
   const RangeStop stop;
-  const RangeCamera camera = ahead();
-  const auto look = range_check(inbox, stop, camera);
+  const RangeCameras cameras{{0, ahead()}};
+  const auto look = range_check(inbox, stop, cameras);
   const Twist forward{{0.4, 0.0, 0.0}, 0.0};
   EXPECT_EQ(look(forward, 10.0).share, 1.0);  // nothing to look at
   inbox.depth(9.99, *wall_at(3.5).image);
@@ -74,13 +74,45 @@ TEST(RangeCheck, AsksOfWhatIsInTheInbox) {
   EXPECT_FALSE(look(forward, 10.0).obstacle.empty());
   // A scan that sees it where the depth image does not.
   SensorInbox other(clock, options);
-  const auto look_at_scan = range_check(other, stop, camera);
+  const auto look_at_scan = range_check(other, stop, cameras);
   DepthScan scan;
   scan.origin = {0.0, 0.0, 0.3};
   for (int k = -60; k <= 60; ++k) scan.hits.emplace_back(0.31, 0.005 * k, 0.3);
   other.scan(10.0, scan);
   EXPECT_LT(look_at_scan(forward, 10.0).share, 0.5);
   EXPECT_EQ(look_at_scan(forward, 10.0).obstacle, "") << "slower, but it may go on";
+}
+
+// A rear camera has nothing to say of driving ahead, and all of driving back.
+TEST(RangeCheck, OfSeveralSensorsThoseDecideThatLookWhereTheBodyDrives) {
+  const ManualClock clock(10.0);
+  SensorInboxOptions options;
+  options.depth_in_runtime_clock = options.scan_in_runtime_clock = true;
+  SensorInbox inbox(clock, options);
+  const RangeStop stop;
+  RangeCamera back = ahead();
+  back.mount.T_BC = Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitZ()) * back.mount.T_BC;
+  const RangeCameras cameras{{0, ahead()}, {1, back}};
+  const auto look = range_check(inbox, stop, cameras);
+  const auto show = [&](double front, double rear) {
+    for (const double stamp : {9.99, 10.0}) {
+      inbox.observe(DepthFrame{stamp, wall_at(front).image, 0});
+      inbox.observe(DepthFrame{stamp, wall_at(rear).image, 1});
+    }
+  };
+  const Twist forward{{0.4, 0.0, 0.0}, 0.0}, backward{{-0.4, 0.0, 0.0}, 0.0};
+  show(3.5, 3.5);
+  EXPECT_EQ(look(forward, 10.0).share, 1.0) << "not slowed by who looks back";
+  EXPECT_EQ(look(backward, 10.0).share, 1.0);
+  show(3.5, 0.32);
+  EXPECT_EQ(look(forward, 10.0).share, 1.0);
+  EXPECT_LT(look(backward, 10.0).share, 0.5);
+  show(0.32, 3.5);
+  EXPECT_LT(look(forward, 10.0).share, 0.5);
+  EXPECT_EQ(look(backward, 10.0).share, 1.0);
+  const RangeCameras front_alone{{0, ahead()}};
+  const auto one = range_check(inbox, stop, front_alone);
+  EXPECT_LT(one(backward, 10.0).share, 0.5) << "blind";
 }
 
 }  // namespace

@@ -4,9 +4,13 @@
 
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <stdexcept>
+#include <string>
 #include <thread>
 #include <vector>
+
+#include "models/robot_description.h"
 
 namespace prospect::sensor_inbox_test {
 namespace {
@@ -262,6 +266,45 @@ TEST(SensorInbox, TheNewestRangesAreThereAlsoAfterTheyWereTaken) {
   EXPECT_EQ(ranges.depth.stamp, 99.9);
   EXPECT_EQ(ranges.depth.image->at(0, 0), 2.0f);
   EXPECT_FALSE(ranges.scan.in_B);
+}
+
+// Two lidars of one stamp, and one that dies while the other goes on.
+TEST(SensorInbox, EachDepthSensorIsASourceOfItsOwn) {
+  Inbox in;
+  const auto scan = [&](double stamp, int sensor) {
+    in.box.observe(ScanFrame{stamp, std::make_shared<const DepthScan>(), nullptr, sensor});
+  };
+  scan(99.9, 0), scan(99.9, 1);
+  in.box.observe(DepthFrame{99.8, std::make_shared<const DepthImage>(1, 1, 2.0f), 2});
+  EXPECT_EQ(in.taken_stamps(), (std::vector<double>{99.8, 99.9, 99.9}));
+  EXPECT_EQ(in.box.count(SensorStream::kScan).taken, 1u);
+  EXPECT_EQ(in.box.count_of_sensor(1).taken, 1u);
+  EXPECT_EQ(in.box.count_of_sensor(2).newest, 99.8);
+  EXPECT_TRUE(in.box.ranges(1).scan.in_B);
+  EXPECT_FALSE(in.box.ranges(1).depth.image);
+  EXPECT_EQ(in.box.ranges(2).depth.image->at(0, 0), 2.0f);
+  EXPECT_EQ(in.box.stale(), "");
+  in.clock.set(kNow + 2.0);
+  scan(kNow + 2.0, 0), scan(kNow + 2.0, 2);
+  EXPECT_EQ(in.box.stale(), "depth sensor 1: the newest frame is 2.1 s old; at most 1 s");
+  // A clock of its own, each.
+  Inbox own{SensorInboxOptions()};
+  for (int k = 0; k < 200; ++k) {
+    const double now = kNow + 0.05 * k;
+    own.clock.set(now);
+    own.box.observe(ScanFrame{now - 3.0, std::make_shared<const DepthScan>(), nullptr, 0});
+    own.box.observe(ScanFrame{now + 7.0, std::make_shared<const DepthScan>(), nullptr, 1});
+  }
+  EXPECT_NEAR(own.box.count(SensorStream::kScan).offset.value(), 3.0, 0.01);
+  EXPECT_NEAR(own.box.count_of_sensor(1).offset.value(), -7.0, 0.01);
+  for (const int none : {-1, kMostDepthSensors}) {
+    scan(kNow + 2.1, none);
+    EXPECT_EQ(in.box.count(SensorStream::kScan).reason,
+              "it is of sensor " + std::to_string(none) + "; expected 0 to 15");
+  }
+  scan(std::nan(""), 1);
+  in.box.observe(ScanFrame{kNow + 2.0, nullptr, nullptr, 1});
+  EXPECT_EQ(in.box.count_of_sensor(1).refused, 2u);
 }
 
 TEST(SensorInbox, OptionsOutOfRangeAreRefused) {

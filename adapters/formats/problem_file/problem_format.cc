@@ -27,6 +27,7 @@ constexpr std::size_t kMostTerms = 1000;
 constexpr int kVersionWithoutZones = 2;
 constexpr int kVersionWithoutAddedTerms = 3;
 constexpr int kVersionWithoutScale = 4;
+constexpr int kVersionWithoutMoreDepth = 5;
 constexpr double kMostTableEntries = 50e6;
 constexpr double kMostRaySteps = 5e9;
 constexpr int kMostStages = 1000;
@@ -135,7 +136,20 @@ void mount(Archive& a, CameraMount& mount) {
   validate(mount);
 }
 
-void robot(Archive& a, RobotDescription& r) {
+/// Groups "1", "2" and so on.
+template <typename List, typename Content>
+void numbered(Archive& a, const char* name, List& list, Content content) {
+  a.group(name, [&] {
+    int count = static_cast<int>(list.size());
+    a.integer("count", count, 0, kMostZones);
+    if (!a.writing()) list.resize(static_cast<std::size_t>(count));
+    for (int n = 0; n < count; ++n) {
+      a.group(std::to_string(n + 1), [&] { content(list[static_cast<std::size_t>(n)]); });
+    }
+  });
+}
+
+void robot(Archive& a, int version, RobotDescription& r) {
   ArchiveKnobs knobs(a);
   a.group("robot", [&] {
     motion(a, r.model);
@@ -147,6 +161,11 @@ void robot(Archive& a, RobotDescription& r) {
     a.group("depth", [&] {
       describe(knobs, r.depth);
       mount(a, r.depth_mount);
+    });
+    if (version <= kVersionWithoutMoreDepth) return;
+    numbered(a, "more_depth", r.more_depth, [&](DepthSensor& sensor) {
+      describe(knobs, sensor.footprint);
+      mount(a, sensor.mount);
     });
   });
 }
@@ -230,33 +249,39 @@ void map(Archive& a, ProblemSpecification& r) {
   });
 }
 
+/// Sensor positions with rays to `points` points.
+void sensor_lattice(Archive& a, SensorLattice& lattice, const OcclusionTable::Options& options,
+                    std::size_t points, double resolution) {
+  a.numbers("origin", lattice.origin.data(), {3});
+  a.number("spacing", lattice.spacing, 1e-3, 1e3);
+  int nodes[] = {lattice.nx, lattice.ny, lattice.nz};
+  a.integers("nodes", nodes, 3, 1, 100'000);
+  lattice.nx = nodes[0], lattice.ny = nodes[1], lattice.nz = nodes[2];
+  for (int i = 0; i < 3; ++i) {
+    const double end = lattice.origin[i] + lattice.spacing * (nodes[i] - 1);
+    if (!(std::max(std::abs(lattice.origin[i]), std::abs(end)) <= kFarthest)) {
+      a.refuse("", "the lattice reaches beyond 1000 km", "nodes within it");
+    }
+  }
+  const double entries =
+      static_cast<double>(nodes[0]) * nodes[1] * nodes[2] * static_cast<double>(points + 8);
+  if (entries > kMostTableEntries || entries * options.max_range / resolution > kMostRaySteps) {
+    a.refuse("",
+             std::to_string(nodes[0]) + " x " + std::to_string(nodes[1]) + " x " +
+                 std::to_string(nodes[2]) + " nodes with rays to " + std::to_string(points) +
+                 " points within " + std::to_string(options.max_range) + " m",
+             "at most 5e7 rays of 5e9 voxels in all");
+  }
+}
+
 /// Sensor positions and the rays from there to `points` points.
 void occlusion(Archive& a, SensorLattice& lattice, OcclusionTable::Options& options,
                std::size_t points, double resolution) {
   a.group("occlusion", [&] {
-    a.numbers("origin", lattice.origin.data(), {3});
-    a.number("spacing", lattice.spacing, 1e-3, 1e3);
-    int nodes[] = {lattice.nx, lattice.ny, lattice.nz};
-    a.integers("nodes", nodes, 3, 1, 100'000);
-    lattice.nx = nodes[0], lattice.ny = nodes[1], lattice.nz = nodes[2];
     a.number("trim", options.trim, 0.0);
     a.number("attenuation", options.attenuation, 0.0);
     a.number("max_range", options.max_range, 0.0, 1e4);
-    for (int i = 0; i < 3; ++i) {
-      const double end = lattice.origin[i] + lattice.spacing * (nodes[i] - 1);
-      if (!(std::max(std::abs(lattice.origin[i]), std::abs(end)) <= kFarthest)) {
-        a.refuse("", "the lattice reaches beyond 1000 km", "nodes within it");
-      }
-    }
-    const double entries =
-        static_cast<double>(nodes[0]) * nodes[1] * nodes[2] * static_cast<double>(points + 8);
-    if (entries > kMostTableEntries || entries * options.max_range / resolution > kMostRaySteps) {
-      a.refuse("",
-               std::to_string(nodes[0]) + " x " + std::to_string(nodes[1]) + " x " +
-                   std::to_string(nodes[2]) + " nodes with rays to " + std::to_string(points) +
-                   " points within " + std::to_string(options.max_range) + " m",
-               "at most 5e7 rays of 5e9 voxels in all");
-    }
+    sensor_lattice(a, lattice, options, points, resolution);
   });
 }
 
@@ -349,7 +374,7 @@ void visible_features(Archive& a, int version, ProblemSpecification& r) {
   });
 }
 
-void exploration_gain(Archive& a, ProblemSpecification& r) {
+void exploration_gain(Archive& a, int version, ProblemSpecification& r) {
   a.group("exploration_gain", [&] {
     a.number("weight", r.weights.exploration_gain);
     a.number("eta", r.gain.eta);
@@ -371,6 +396,15 @@ void exploration_gain(Archive& a, ProblemSpecification& r) {
     });
     occlusion(a, r.target_lattice, r.target_occlusion, r.targets.targets.size(),
               r.voxels->resolution());
+    if (version <= kVersionWithoutMoreDepth) return;
+    numbered(a, "more_depth", r.more_target_lattices, [&](SensorLattice& lattice) {
+      sensor_lattice(a, lattice, r.target_occlusion, r.targets.targets.size(),
+                     r.voxels->resolution());
+    });
+    if (r.more_target_lattices.size() != r.robot.more_depth.size()) {
+      a.refuse("more_depth", "holds " + std::to_string(r.more_target_lattices.size()),
+               "as many as /robot/more_depth");
+    }
   });
 }
 
@@ -404,19 +438,6 @@ void polygon(Archive& a, const char* name, Polygon& corners) {
   resize(a, name, corners, {2}, kMostCorners);
   table<double>(a, name, corners, {2},
                 [](Eigen::Vector2d& p, std::size_t j) -> double& { return p[index(j)]; });
-}
-
-/// Groups "1", "2" and so on.
-template <typename List, typename Content>
-void numbered(Archive& a, const char* name, List& list, Content content) {
-  a.group(name, [&] {
-    int count = static_cast<int>(list.size());
-    a.integer("count", count, 0, kMostZones);
-    if (!a.writing()) list.resize(static_cast<std::size_t>(count));
-    for (int n = 0; n < count; ++n) {
-      a.group(std::to_string(n + 1), [&] { content(list[static_cast<std::size_t>(n)]); });
-    }
-  });
 }
 
 void zones(Archive& a, ProblemSpecification& r) {
@@ -496,7 +517,7 @@ void terms(Archive& a, int version, const TermRegistry& registry, ProblemSpecifi
     clearance_field(a, r);
     obstacle_terms(a, r);
     visible_features(a, version, r);
-    exploration_gain(a, r);
+    exploration_gain(a, version, r);
     cost_to_go(a, r);
     a.group("heading_alignment", [&] { a.number("weight", r.weights.heading_alignment, 0.0); });
     if (version > kVersionWithoutAddedTerms) added_terms(a, registry, r);
@@ -574,7 +595,8 @@ void transfer_problem(Archive& a, SavedProblem& problem, const TermRegistry& reg
   }
   // The least that says it all: who knows no zones may read what has none.
   const ProblemSpecification& s = problem.specification;
-  int version = s.visibility.odometry.scale > 0.0                     ? kProblemFileVersion
+  int version = !s.robot.more_depth.empty()                           ? kProblemFileVersion
+                : s.visibility.odometry.scale > 0.0                   ? kVersionWithoutMoreDepth
                 : !s.added_terms.empty() || !s.terms_left_out.empty() ? kVersionWithoutScale
                 : s.zones                                             ? kVersionWithoutAddedTerms
                                                                       : kVersionWithoutZones;
@@ -585,7 +607,7 @@ void transfer_problem(Archive& a, SavedProblem& problem, const TermRegistry& reg
   }
   ProblemSpecification& r = problem.specification;
   origin(a, problem.origin);
-  robot(a, r.robot);
+  robot(a, version, r.robot);
   horizon(a, r);
   map(a, r);
   if (version > kVersionWithoutZones) zones(a, r);

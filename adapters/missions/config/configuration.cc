@@ -169,13 +169,33 @@ void read_robot(YamlMap map, Configuration& c) {
   YamlMap depth = map.map("depth");
   c.robot.depth = read_knobs(depth, c.robot.depth);
   c.robot.depth_mount = read_knobs(depth.map("mount"), MountNumbers()).mount();
+  for (YamlMap more : map.maps("more_depth")) {
+    DepthSensor& sensor = c.robot.more_depth.emplace_back();
+    sensor.footprint = read_knobs(more, RgbdFootprint());
+    sensor.mount = read_knobs(more.map("mount"), MountNumbers()).mount();
+  }
+  if (c.robot.more_depth.size() >= static_cast<std::size_t>(kMostDepthSensors)) {
+    map.problem("more_depth", std::to_string(c.robot.more_depth.size()) +
+                                  " sensors; expected up to " +
+                                  std::to_string(kMostDepthSensors - 1));
+    c.robot.more_depth.clear();
+  }
 }
 
 /// A sensor that sees nothing of where the body drives is refused: the mission would be over at
 /// once.
 void check_sight(YamlMap robot, const Configuration& c) {
-  const std::string problem = sight_problem(c.robot, c.perception.mapping.resolution);
-  if (!problem.empty()) robot.map("depth").map("mount").problem("position", problem);
+  int number = 0;
+  for (const DepthSensor& sensor : c.robot.depth_sensors()) {
+    const std::string problem = sight_problem(c.robot, sensor, c.perception.mapping.resolution);
+    const int n = number++;
+    if (problem.empty()) continue;
+    if (n == 0) {
+      robot.map("depth").map("mount").problem("position", problem);
+    } else {
+      robot.problem("more_depth", "sensor " + std::to_string(n) + ": " + problem);
+    }
+  }
 }
 
 /// What the simulated robot shares with the planned one, and the planner with the map.
@@ -185,6 +205,7 @@ void share_robot(Configuration& c) {
   c.simulator.depth.footprint = c.robot.depth;
   set_resolution(c.simulator.depth);
   c.simulator.depth_mount = c.robot.depth_mount;
+  c.simulator.more_depth = c.robot.more_depth;
   c.simulator.features.stereo = c.robot.stereo;
   c.simulator.stereo_mount = c.robot.stereo_mount;
   c.planner.map_resolution = c.perception.mapping.resolution;
@@ -477,8 +498,23 @@ void set_cameras(Configuration& configuration, const RobotDescription& robot,
   note_mount("robot.stereo.mount", robot.stereo_mount, told.robot.stereo_mount);
   told.robot.depth = noted("robot.depth", robot.depth);
   note_mount("robot.depth.mount", robot.depth_mount, told.robot.depth_mount);
-  const std::string blind = sight_problem(told.robot, told.perception.mapping.resolution);
-  if (!blind.empty()) throw InputError(told_by + ": robot.depth.mount.position: " + blind);
+  for (std::size_t n = 0; n < robot.more_depth.size(); ++n) {
+    const std::string path = "robot.more_depth[" + std::to_string(n) + "]";
+    if (n >= told.robot.more_depth.size()) {
+      throw InputError(told_by + ": " + path +
+                       ": the configuration has none; expected it there, {} at least");
+    }
+    DepthSensor& sensor = told.robot.more_depth[n];
+    sensor.footprint = noted(path, robot.more_depth[n].footprint);
+    note_mount(path + ".mount", robot.more_depth[n].mount, sensor.mount);
+  }
+  std::string path = "robot.depth";
+  int number = 0;
+  for (const DepthSensor& sensor : told.robot.depth_sensors()) {
+    const std::string blind = sight_problem(told.robot, sensor, told.perception.mapping.resolution);
+    if (!blind.empty()) throw InputError(told_by + ": " + path + ".mount.position: " + blind);
+    path = "robot.more_depth[" + std::to_string(number++) + "]";
+  }
   share_robot(told);
   configuration = std::move(told);
 }

@@ -123,6 +123,8 @@ std::string configuration_reference() {
         std::erase_if(of_shape, [](const ConfigEntry& e) { return e.path == "robot.shape.type"; });
         page += "With `robot.shape.type: " + type + "`:\n\n" + table(of_shape, "robot.shape.");
       }
+      page += "Depth sensors besides `robot.depth`, of each in the list `robot.more_depth`:\n\n" +
+              table(entries_of("robot: {more_depth: [{}]}"), "robot.more_depth");
     } else if (group == "perception") {
       page +=
           "Of the simulator's robot, other defaults, of wheels those that `simulator.wheels` "

@@ -34,10 +34,11 @@ VerticalExtent heights_of_rays(const RgbdFootprint& footprint, const CameraMount
           height + footprint.max_range * std::max(0.0, steepest(footprint, up))};
 }
 
-std::string sight_problem(const RobotDescription& robot, double resolution) {
+std::string sight_problem(const RobotDescription& robot, const DepthSensor& sensor,
+                          double resolution) {
   if (robot.model->pose_layout().pz >= 0) return "";
   const SliceLayers layers = slice_layers(height_slice(robot), resolution);
-  const VerticalExtent rays = heights_of_rays(robot.depth, robot.depth_mount, robot.base_height());
+  const VerticalExtent rays = heights_of_rays(sensor.footprint, sensor.mount, robot.base_height());
   const double low = layers.k_low * resolution, high = (layers.k_high + 1) * resolution;
   constexpr double kRounding = 1e-9;  // as the map has it: what is on a face is above it
   if (rays.z_max >= low - kRounding && rays.z_min < high - kRounding) return "";

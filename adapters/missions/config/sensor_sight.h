@@ -14,9 +14,10 @@ namespace prospect {
 VerticalExtent heights_of_rays(const RgbdFootprint& footprint, const CameraMount& mount,
                                double base_height);
 
-/// "" if rays of the robot's depth sensor pass layers of voxels that the ground map is read from
-/// (slice_layers() of the body), else what is wrong. Where none does, nothing ever becomes known of
-/// the ground, so the robot could not drive. A base that moves in 3-D looks everywhere.
-std::string sight_problem(const RobotDescription& robot, double resolution);
+/// "" if rays of a depth sensor of the robot pass layers of voxels that the ground map is read from
+/// (slice_layers() of the body), else what is wrong. Such a sensor shows nothing of the ground, and
+/// the planner would count on it. A base that moves in 3-D looks everywhere.
+std::string sight_problem(const RobotDescription& robot, const DepthSensor& sensor,
+                          double resolution);
 
 }  // namespace prospect

@@ -45,13 +45,13 @@ MissionLog::MissionLog(const std::string& path, const RunStart& start,
 
 void MissionLog::on_frame(const SensorFrame& frame) {
   if (const auto* scan = std::get_if<ScanFrame>(&frame)) {
-    if (scan->in_B) messages_.scan(scan->stamp, *scan->in_B);
+    if (scan->in_B) messages_.scan(scan->stamp, *scan->in_B, scan->sensor);
   } else if (const auto* wheels = std::get_if<WheelSample>(&frame)) {
     messages_.wheels(*wheels);
   } else if (const auto* pair = std::get_if<StereoFrame>(&frame); pair && images_) {
     if (pair->left && pair->right) messages_.pair(pair->left_stamp, *pair->left, *pair->right);
   } else if (const auto* depth = std::get_if<DepthFrame>(&frame); depth && images_) {
-    if (depth->image) messages_.depth(depth->stamp, *depth->image);
+    if (depth->image && depth->sensor == 0) messages_.depth(depth->stamp, *depth->image);
   }
 }
 

@@ -5,8 +5,10 @@
 #include <cmath>
 #include <limits>
 #include <span>
+#include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "adapters/formats/datasets/mission_topics.h"
 #include "adapters/formats/ros/cdr.h"
@@ -105,6 +107,11 @@ constexpr const char* kLeftCamera = "camera_left_optical";
 constexpr const char* kRightCamera = "camera_right_optical";
 constexpr const char* kDepthCamera = "camera_depth_optical";
 
+/// Frame of a depth sensor's scans.
+std::string lidar_name(int sensor) {
+  return sensor == 0 ? kLidar : kLidar + ('_' + std::to_string(sensor));
+}
+
 ros::TFMessage static_transforms(const RobotDescription& robot, const ros::Time& stamp) {
   ros::TFMessage message;
   const auto add = [&](const char* parent, const char* child, const Eigen::Isometry3d& T) {
@@ -120,6 +127,10 @@ ros::TFMessage static_transforms(const RobotDescription& robot, const ros::Time&
   add(kBody, kLeftCamera, robot.stereo_mount.T_BC);
   add(kBody, kRightCamera, right);
   add(kBody, kDepthCamera, robot.depth_mount.T_BC);
+  for (std::size_t n = 0; n < robot.more_depth.size(); ++n) {
+    lidar.translation() = robot.more_depth[n].mount.T_BC.translation();
+    add(kBody, lidar_name(static_cast<int>(n) + 1).c_str(), lidar);
+  }
   return message;
 }
 
@@ -280,10 +291,13 @@ void MissionMessages::status(double time, const DriverStatus& status, const char
   put_(kDiagnostics, now, ros::to_cdr(array));
 }
 
-void MissionMessages::scan(double time, const DepthScan& in_B) {
+void MissionMessages::scan(double time, const DepthScan& in_B, int sensor) {
+  const std::vector<DepthSensor> sensors = options_.robot.depth_sensors();
+  if (sensor < 0 || sensor >= static_cast<int>(sensors.size())) return;
   const std::int64_t now = ns(time);
-  ros::LaserScan scan = level_scan(in_B, options_.robot.depth.max_range);
-  scan.header = {stamp_at(now), kLidar};
+  ros::LaserScan scan =
+      level_scan(in_B, sensors[static_cast<std::size_t>(sensor)].footprint.max_range);
+  scan.header = {stamp_at(now), lidar_name(sensor)};
   put_(kScan, now, ros::to_cdr(scan, 4 * scan.ranges.size()));
 }
 

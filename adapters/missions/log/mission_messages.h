@@ -19,8 +19,8 @@
 #include "perception/fusion/wheel_fusion.h"
 #include "perception/mapping/depth_image.h"
 #include "perception/mapping/occupancy_mapper.h"
-#include "runtime/event_log.h"
 #include "runtime/driver.h"
+#include "runtime/event_log.h"
 
 namespace prospect {
 
@@ -56,7 +56,8 @@ class MissionMessages {
   void events(std::span<const Event> events);
   /// dropped: what of these messages was dropped, in words; who: where they go.
   void status(double time, const DriverStatus& status, const char* who, const std::string& dropped);
-  void scan(double time, const DepthScan& in_B);
+  /// Of a depth sensor, by its number.
+  void scan(double time, const DepthScan& in_B, int sensor = 0);
   void wheels(const WheelSample& wheels);
   void pair(double time, const Image& left, const Image& right);
   void depth(double time, const DepthImage& image);

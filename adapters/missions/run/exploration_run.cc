@@ -44,6 +44,9 @@ ReachableArea reachable_area(const World& world, const Configuration& c) {
   options.free_moves = passable.free_moves;
   options.zones = passable.zones;
   options.range = c.robot.depth.max_range;
+  for (const DepthSensor& sensor : c.robot.more_depth) {
+    options.range = std::max(options.range, sensor.footprint.max_range);
+  }
   options.sensor_height = c.robot.base_height() + c.robot.depth_mount.T_BC.translation().z();
   options.map_resolution = c.perception.mapping.resolution;
   return reachable_area(world, options);

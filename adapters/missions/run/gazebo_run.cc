@@ -26,7 +26,7 @@ ExplorationRunResult step_gazebo(Configuration c, const GazeboMeasure& measure,
   const RangeCamera depth{gazebo_depth_camera(c.robot, c.gazebo),
                           c.robot.depth_mount,
                           {c.robot.depth.min_range, c.robot.depth.max_range}};
-  PerceptionPipeline perception(c.robot.stereo, live_perception(c, depth, start));
+  PerceptionPipeline perception(c.robot.stereo, live_perception(c, {{0, depth}}, start));
   clear_start(perception.map(), c, start);
   GazeboLockstep robot(gazebo, perception);
   LockstepRun run{.name = gazebo.world()};

@@ -56,8 +56,10 @@ std::optional<PreflightFacts::Floor> floor_in(const SensorInbox& inbox, const Ra
       depth.camera, depth.mount, base_height, depth.range);
 }
 
-/// What pre-flight waits for. A robot that perceives by itself stamps its beliefs.
-std::vector<WatchedStream> streams_of(const Robot& robot, const Guard::Options& limits) {
+/// What pre-flight waits for. A robot that perceives by itself stamps its beliefs. sensors: how
+/// many depth sensors it has.
+std::vector<WatchedStream> streams_of(const Robot& robot, std::size_t sensors,
+                                      const Guard::Options& limits) {
   if (robot.beliefs) {
     const auto stamp = [](double SourceStamps::*of) {
       return [of](const Belief* newest) {
@@ -75,7 +77,32 @@ std::vector<WatchedStream> streams_of(const Robot& robot, const Guard::Options& 
                               pairs ? "cameras" : std::string(to_string(stream)),
                               ranges ? limits.max_ranges_age : limits.max_pose_age));
   }
+  for (int n = 1; n < static_cast<int>(sensors); ++n) {
+    streams.push_back(watched_sensor(*robot.frames, n, limits.max_ranges_age));
+  }
   return streams;
+}
+
+/// Of what it sees depth images with.
+RangeCameras cameras_of(const Robot& robot, const RobotDescription& description) {
+  const std::vector<DepthSensor> sensors = description.depth_sensors();
+  RangeCameras cameras;
+  const auto add = [&](int number, const PinholeCamera& camera) {
+    const DepthSensor& of = sensors[static_cast<std::size_t>(number)];
+    cameras[number] = {camera, of.mount, {of.footprint.min_range, of.footprint.max_range}};
+  };
+  if (robot.depth) add(0, *robot.depth);
+  for (const auto& [number, camera] : robot.more_depth) {
+    if (number < 1 || number >= static_cast<int>(sensors.size())) {
+      throw std::invalid_argument("depth camera " + std::to_string(number) + " of the robot '" +
+                                  robot.name + "' is none of the " +
+                                  std::to_string(sensors.size()) +
+                                  " depth sensors of the configuration; expected it in "
+                                  "robot.more_depth");
+    }
+    add(number, camera);
+  }
+  return cameras;
 }
 
 bool has(const Robot& robot, SensorStream stream) {
@@ -85,7 +112,7 @@ bool has(const Robot& robot, SensorStream stream) {
 bool has_pairs(const Robot& robot) { return robot.beliefs || has(robot, SensorStream::kPair); }
 
 PerceptionPipeline pipeline_of(const Robot& robot, const Configuration& c,
-                               const std::optional<RangeCamera>& depth) {
+                               const RangeCameras& depth) {
   PerceptionOptions options = live_perception(c, depth, robot.start);
   if (has_pairs(robot)) return PerceptionPipeline(c.robot.stereo, options);
   // Its pose comes from outside, or of its wheels alone.
@@ -95,7 +122,7 @@ PerceptionPipeline pipeline_of(const Robot& robot, const Configuration& c,
 
 /// Perception of a robot that has none of its own.
 struct OwnPerception {
-  OwnPerception(const Robot& robot, const Configuration& c, const std::optional<RangeCamera>& depth)
+  OwnPerception(const Robot& robot, const Configuration& c, const RangeCameras& depth)
       : perception(pipeline_of(robot, c, depth)), beliefs(*robot.frames, perception) {
     clear_start(perception.map(), c, robot.start);
   }
@@ -133,16 +160,11 @@ ExplorationRunResult live_mission(const Robot& robot, const Configuration& c,
   Guard::Options ages = limits;
   if (!has_pairs(robot)) ages.max_landmarks_age = std::numeric_limits<double>::infinity();
   const Guard guard = guard_for(c.robot, c.planner, ages);
-  std::optional<RangeCamera> depth;
-  if (robot.depth) {
-    depth = {*robot.depth, c.robot.depth_mount, {c.robot.depth.min_range, c.robot.depth.max_range}};
-  }
+  const RangeCameras depth = cameras_of(robot, c.robot);
   std::optional<OwnPerception> own;
   if (!robot.beliefs) own.emplace(robot, c, depth);
   BeliefSource& beliefs = own ? own->beliefs : *robot.beliefs;
   const RangeStop stop(c.drive.ranges);
-  // Without a depth camera there are no depth images, and its numbers are not looked at.
-  const RangeCamera looking = depth.value_or(RangeCamera{});
   const std::vector<InjectedFault> faults =
       options.real_time ? options.real_time->faults : std::vector<InjectedFault>();
   FaultyReplanner faulty_planner(*planner, *c.robot.model, *robot.clock, faults, robot.made);
@@ -161,9 +183,9 @@ ExplorationRunResult live_mission(const Robot& robot, const Configuration& c,
                           .model = c.robot.model,
                           .dead_man = robot.base->dead_man(),
                           .inbox = robot.frames.get(),
-                          .ranges = range_check(*robot.frames, stop, looking),
+                          .ranges = range_check(*robot.frames, stop, depth),
                           .emergency_stop = robot.emergency_stop,
-                          .streams = streams_of(robot, limits),
+                          .streams = streams_of(robot, c.robot.depth_sensors().size(), limits),
                           .requests = options.requests};
   PreflightInputs inputs;
   inputs.known.body = c.robot.slice();
@@ -172,8 +194,8 @@ ExplorationRunResult live_mission(const Robot& robot, const Configuration& c,
   inputs.known.stereo_pair = has_pairs(robot);
   inputs.cancelled = mission.cancelled;
   inputs.observers = mission.observers;
-  if (depth) {
-    inputs.floor = [&] { return floor_in(*robot.frames, looking, c.robot.base_height()); };
+  if (robot.depth) {
+    inputs.floor = [&] { return floor_in(*robot.frames, depth.at(0), c.robot.base_height()); };
   }
   const SteadyClock machine;
   const double begun = robot.clock->now(), begun_by_machine = machine.now();

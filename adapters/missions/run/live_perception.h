@@ -1,7 +1,5 @@
 #pragma once
 
-#include <optional>
-
 #include "adapters/missions/config/configuration.h"
 #include "models/types.h"
 #include "perception/mapping/occupancy_mapper.h"
@@ -11,9 +9,9 @@
 namespace prospect {
 
 /// How a robot with its own cameras perceives: configuration.perception, with what the robot has.
-/// depth: none: it maps from scans.
-PerceptionOptions live_perception(const Configuration& configuration,
-                                  const std::optional<RangeCamera>& depth, const Pose& start);
+/// depth: its depth cameras, by the number of the depth sensor; what has none sends scans.
+PerceptionOptions live_perception(const Configuration& configuration, const RangeCameras& depth,
+                                  const Pose& start);
 
 /// Makes the place free that the body takes up where it was put down.
 void clear_start(OccupancyMapper& map, const Configuration& configuration, const Pose& start);

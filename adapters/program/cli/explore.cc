@@ -291,6 +291,13 @@ KeyReader reader_of(const Configuration& configuration, const MissionBase& base)
   if (base.dds) {
     reader.depth = !base.dds->depth.image.empty();
     reader.scans = !base.dds->scan.empty() || !base.dds->point_cloud.empty();
+    for (const DdsOptions::MoreDepth& more : base.dds->more_depth) {
+      if (more.depth.image.empty()) {
+        reader.scans = true;
+      } else {
+        reader.depth = true;
+      }
+    }
     reader.view_told = base.dds->tells_view();
     reader.pairs = base.dds->has_stereo();
     reader.poses = base.dds->is_told_its_pose();
@@ -300,7 +307,9 @@ KeyReader reader_of(const Configuration& configuration, const MissionBase& base)
     const auto has = [&](SensorStream stream) {
       return std::find(streams.begin(), streams.end(), stream) != streams.end();
     };
-    reader.depth = has(SensorStream::kDepth), reader.scans = has(SensorStream::kScan);
+    const std::size_t images = base.user->more_depth.size();
+    reader.depth = has(SensorStream::kDepth) || images > 0;
+    reader.scans = has(SensorStream::kScan) || configuration.robot.more_depth.size() > images;
     reader.pairs = has(SensorStream::kPair);
     reader.by_wheels = !reader.pairs && has(SensorStream::kWheels) && !has(SensorStream::kPose);
     reader.poses = !reader.pairs && !reader.by_wheels;

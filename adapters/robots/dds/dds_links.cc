@@ -92,6 +92,12 @@ std::vector<Link> dds_links(const DdsOptions& o, const SensorInboxOptions& inbox
   calibration("depth calibration", o.depth.info);
   sensor("scans", o.scan, inbox.max_range_age, known_to_tf, "");
   sensor("point clouds", o.point_cloud, inbox.max_range_age, known_to_tf, "");
+  for (const DdsOptions::MoreDepth& more : o.more_depth) {
+    sensor("more depth images", more.depth.image, inbox.max_range_age, "", kImage);
+    calibration("more depth calibration", more.depth.info);
+    sensor("more scans", more.scan, inbox.max_range_age, known_to_tf, "");
+    sensor("more point clouds", more.point_cloud, inbox.max_range_age, known_to_tf, "");
+  }
   for (const std::string& topic : {o.tf, o.tf_static}) {
     add({.signal = "transforms",
          .topic = topic,

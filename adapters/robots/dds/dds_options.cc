@@ -9,6 +9,7 @@
 #include "adapters/formats/files/input_error.h"
 #include "adapters/formats/files/strict_yaml.h"
 #include "adapters/robots/dds/dds_names.h"
+#include "models/robot_description.h"
 
 namespace prospect {
 namespace {
@@ -184,7 +185,12 @@ void read_stereo(YamlMap root, TopicReader& topics, DdsOptions& o) {
   auto& s = o.stereo;
   s.left = topics.read(stereo, "left", s.left, "left images", Empty::kRefused);
   s.left_info = topics.read(stereo, "left_info", s.left_info, "calibration", Empty::kRefused);
-  s.right = topics.read(stereo, "right", s.right, "right images", Empty::kRefused);
+  s.right = topics.read(stereo, "right", s.right, "right images", Empty::kAllowed);
+  if (s.right.empty() && o.has_stereo()) {
+    stereo.problem("right",
+                   "it is none, and one camera measures no depth; expected its pair, or pose.from "
+                   "with what measures ranges: depth.image, scan or point_cloud");
+  }
   s.right_info = topics.read(stereo, "right_info", s.right_info, "calibration", Empty::kRefused);
   s.compressed = stereo.boolean("compressed", s.compressed, "images are CompressedImage");
   s.rectified = stereo.boolean("rectified", s.rectified, "images are rectified already");
@@ -196,15 +202,8 @@ void read_stereo(YamlMap root, TopicReader& topics, DdsOptions& o) {
   s = {"", "", "", ""};
 }
 
-void read_depth(YamlMap root, TopicReader& topics, DdsOptions& o) {
-  using Empty = TopicReader::Empty;
-  YamlMap depth = root.map("depth");
-  auto& d = o.depth;
-  // A robot without a stereo pair may see by a lidar alone.
-  if (!o.has_stereo() && !(o.scan.empty() && o.point_cloud.empty())) d.image.clear();
-  d.image = topics.read(depth, "image", d.image, "depth images", Empty::kAllowed);
-  d.info = topics.read(depth, "info", d.image.empty() ? "" : d.info, "calibration",
-                       d.image.empty() ? Empty::kAllowed : Empty::kRefused);
+/// What its images are read by.
+void read_images(YamlMap depth, DdsOptions::Depth& d) {
   d.compressed = depth.boolean("compressed", d.compressed, "images are compressedDepth, PNG");
   d.rectified = depth.boolean("rectified", is_named_rectified(d.image),
                               "images are rectified: those of a topic with rect in its name");
@@ -215,6 +214,41 @@ void read_depth(YamlMap root, TopicReader& topics, DdsOptions& o) {
       depth.number("max_range", d.max_range, 0.1, 100.0, "m", "largest depth that counts");
   if (d.min_range >= d.max_range) {
     depth.problem("max_range", "not above min_range; expected 0 <= min_range < max_range");
+  }
+}
+
+void read_depth(YamlMap root, TopicReader& topics, DdsOptions& o) {
+  using Empty = TopicReader::Empty;
+  YamlMap depth = root.map("depth");
+  auto& d = o.depth;
+  // A robot without a stereo pair may see by a lidar alone.
+  if (!o.has_stereo() && !(o.scan.empty() && o.point_cloud.empty())) d.image.clear();
+  d.image = topics.read(depth, "image", d.image, "depth images", Empty::kAllowed);
+  d.info = topics.read(depth, "info", d.image.empty() ? "" : d.info, "calibration",
+                       d.image.empty() ? Empty::kAllowed : Empty::kRefused);
+  read_images(depth, d);
+}
+
+/// Depth sensors besides the first.
+void read_more_depth(YamlMap root, TopicReader& topics, DdsOptions& o) {
+  using Empty = TopicReader::Empty;
+  for (YamlMap map : root.maps("more_depth")) {
+    DdsOptions::MoreDepth& more = o.more_depth.emplace_back();
+    DdsOptions::Depth& d = more.depth;
+    d.image = topics.read(map, "image", "", "depth images", Empty::kAllowed);
+    if (!d.image.empty()) {
+      d.info = topics.read(map, "info", "", "calibration", Empty::kRefused);
+      read_images(map, d);
+    }
+    more.scan = topics.read(map, "scan", "", "LaserScan", Empty::kAllowed);
+    more.point_cloud = topics.read(map, "point_cloud", "", "PointCloud2", Empty::kAllowed);
+    if (!d.image.empty() + !more.scan.empty() + !more.point_cloud.empty() != 1) {
+      map.problem("", "not one of image, scan and point_cloud; expected one of them");
+    }
+  }
+  if (o.more_depth.size() >= static_cast<std::size_t>(kMostDepthSensors)) {
+    root.problem("more_depth", std::to_string(o.more_depth.size()) + " sensors; expected up to " +
+                                   std::to_string(kMostDepthSensors - 1));
   }
 }
 
@@ -247,6 +281,7 @@ DdsOptions read_dds_options(const std::string& path, const RosArguments& argumen
   o.scan = topics.read(root, "scan", "", "LaserScan", Empty::kAllowed);
   o.point_cloud = topics.read(root, "point_cloud", "", "PointCloud2", Empty::kAllowed);
   read_depth(root, topics, o);
+  read_more_depth(root, topics, o);
   if (!o.scan.empty() && !o.point_cloud.empty()) {
     root.problem("point_cloud", "given beside scan; expected one of them");
   }

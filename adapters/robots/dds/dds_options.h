@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "adapters/robots/dds/dds_node.h"
 #include "adapters/robots/dds/ros_arguments.h"
@@ -62,6 +63,13 @@ struct DdsOptions {
     double min_range = 0.3, max_range = 8.0;  ///< [m]
   } depth;
   std::string scan, point_cloud;
+  /// Of the depth sensors besides, RobotDescription::more_depth in its order, each a depth image, a
+  /// scan or a cloud.
+  struct MoreDepth {
+    Depth depth{"", ""};
+    std::string scan, point_cloud;
+  };
+  std::vector<MoreDepth> more_depth;
   /// Whether its topics tell what its range sensor has in view; a cloud of points does not.
   bool tells_view() const { return !depth.image.empty() || !scan.empty(); }
   /// Cameras are where tf says, in frames.base; else where the robot's description says.

@@ -19,12 +19,16 @@
 #include "adapters/formats/files/input_error.h"
 #include "adapters/formats/images/image_codec.h"
 #include "adapters/formats/ros/sensor_msgs.h"
+#include "models/robot_description.h"
 #include "perception/odometry/rectification.h"
 
 namespace prospect {
 namespace {
 
-enum Camera : std::size_t { kLeftCamera, kRightCamera, kDepthCamera, kCameras };
+/// kDepthCamera + n: of depth sensor n.
+using Camera = std::size_t;
+constexpr Camera kLeftCamera = 0, kRightCamera = 1, kDepthCamera = 2;
+constexpr std::size_t kCameras = kDepthCamera + static_cast<std::size_t>(kMostDepthSensors);
 
 struct ReceivedInfo {
   CameraInfo info;
@@ -81,20 +85,21 @@ struct DdsSensors::Impl {
     const RosHeader header = read_ros_header(cdr, name);
     check_frame(camera, header, name);
     const double stamp = header.stamp;
-    const bool is_depth = camera == kDepthCamera;
+    const DdsOptions::Depth* const depth = depth_of(camera);
     const RawImage raw =
-        read_ros_image(cdr, is_depth ? options.depth.compressed : options.stereo.compressed, name);
+        read_ros_image(cdr, depth ? depth->compressed : options.stereo.compressed, name);
     const auto [width, height] = by->sizes[camera];
     if (raw.width != width || raw.height != height) {
       throw InputError(name + ": an image of " + size_text(raw.width, raw.height) +
                        " pixels; expected " + size_text(width, height) + " of its camera_info");
     }
-    if (is_depth) {
+    if (depth) {
       const bool floats = raw.kind == RawImage::Kind::kFloat;
-      DepthImage image = scaled_depth(raw, floats ? 1.0 : options.depth.per_metre,
-                                      {options.depth.min_range, options.depth.max_range});
+      DepthImage image =
+          scaled_depth(raw, floats ? 1.0 : depth->per_metre, {depth->min_range, depth->max_range});
       if (!image.whole()) throw InputError(name + ": no depths; expected encoding 16UC1 or 32FC1");
-      return inbox.depth(stamp, std::move(image));
+      return inbox.observe(DepthFrame{stamp, std::make_shared<const DepthImage>(std::move(image)),
+                                      static_cast<int>(camera - kDepthCamera)});
     }
     Image grey = grey_image(raw, raw.kind == RawImage::Kind::k16 ? 16 : 8, name);
     if (by->rectification) {
@@ -132,24 +137,32 @@ struct DdsSensors::Impl {
     return *T;
   }
 
-  void take_rays(DepthScan rays, double stamp, const Eigen::Isometry3d& T) const {
+  /// Null: a camera of the pair.
+  const DdsOptions::Depth* depth_of(Camera camera) const {
+    if (camera < kDepthCamera) return nullptr;
+    return camera == kDepthCamera ? &options.depth
+                                  : &options.more_depth[camera - kDepthCamera - 1].depth;
+  }
+
+  void take_rays(DepthScan rays, double stamp, const Eigen::Isometry3d& T, int sensor) const {
     rays.origin = T.translation();
     for (auto* points : {&rays.hits, &rays.misses}) {
       for (Eigen::Vector3d& p : *points) p = T * p;
     }
-    inbox.scan(stamp, std::move(rays));
+    inbox.observe(
+        ScanFrame{stamp, std::make_shared<const DepthScan>(std::move(rays)), nullptr, sensor});
   }
 
-  void take_scan(std::string_view cdr, const std::string& name) {
+  void take_scan(std::string_view cdr, const std::string& name, int sensor) {
     const RosHeader header = read_ros_header(cdr, name);
     const RosLaserScan scan = read_ros_laser_scan(cdr, name);
     const Eigen::Isometry3d T = in_base(header, name);
     {
       const std::lock_guard lock(mutex);
-      if (!lidar && !scan.ranges.empty()) lidar = lidar_of(scan, T);
+      if (!scan.ranges.empty()) lidars.try_emplace(sensor, lidar_of(scan, T));
       came.notify_all();
     }
-    take_rays(rays_of(scan), header.stamp, T);
+    take_rays(rays_of(scan), header.stamp, T, sensor);
   }
 
   static DdsLidar lidar_of(const RosLaserScan& scan, const Eigen::Isometry3d& T) {
@@ -166,10 +179,19 @@ struct DdsSensors::Impl {
 
   /// The lines of what has not come; empty: all is there.
   std::vector<std::string> missing() const {
-    const std::array<std::pair<std::string, const char*>, kCameras> wanted = {
+    std::array<std::pair<std::string, const char*>, kCameras> wanted = {
         {{options.stereo.left_info, "the left camera's calibration"},
          {options.stereo.right_info, "the right camera's calibration"},
          {options.depth.info, "the depth camera's calibration"}}};
+    std::map<int, std::string> scans;
+    if (sees_by_scan()) scans[0] = options.scan;
+    for (std::size_t n = 0; n < options.more_depth.size(); ++n) {
+      wanted[kDepthCamera + 1 + n] = {options.more_depth[n].depth.info,
+                                      "the depth camera's calibration"};
+      if (!options.more_depth[n].scan.empty()) {
+        scans[static_cast<int>(n) + 1] = options.more_depth[n].scan;
+      }
+    }
     std::vector<std::string> lines;
     for (std::size_t k = 0; k < kCameras; ++k) {
       if (wanted[k].first.empty() || infos[k]) continue;
@@ -179,16 +201,17 @@ struct DdsSensors::Impl {
                                           wanted[k].second + " (sensor_msgs/msg/CameraInfo)"
                                     : fault);
     }
-    if (sees_by_scan() && !lidar) {
-      const std::string fault = node.fault(options.scan);
+    for (const auto& [sensor, topic] : scans) {
+      if (lidars.contains(sensor)) continue;
+      const std::string fault = node.fault(topic);
       lines.push_back(fault.empty()
-                          ? options.scan + ": no message within " + number_text(options.timeout) +
+                          ? topic + ": no message within " + number_text(options.timeout) +
                                 " s; expected scans (sensor_msgs/msg/LaserScan)"
                           : fault);
     }
     if (!lines.empty() || !options.mounts_from_tf) return lines;
-    for (const Camera camera : {kLeftCamera, kDepthCamera}) {
-      if (wanted[camera].first.empty() ||
+    for (Camera camera = 0; camera < kCameras; ++camera) {
+      if (camera == kRightCamera || wanted[camera].first.empty() ||
           transforms.newest(options.frames.base, infos[camera]->frame)) {
         continue;
       }
@@ -232,31 +255,45 @@ struct DdsSensors::Impl {
         T_left = calibration.left.T_BC.inverse() * out.rectification->T_BC();
       }
     }
-    if (sees_by_scan()) out.cameras.lidar = lidar;
-    if (!options.depth.info.empty()) {
-      size(kDepthCamera, options.depth.info);
-      const CameraInfo& info = infos[kDepthCamera]->info;
-      std::vector<std::string> notes;  // of a lens that moves pixels a little
-      const PinholeCamera camera =
-          depth_camera_of(info, options.depth.rectified, options.depth.info, notes);
-      try {
-        validate(camera);
-      } catch (const std::invalid_argument& problem) {
-        throw InputError(options.depth.info + ": " + problem.what());
+    if (sees_by_scan()) out.cameras.lidar = lidars.at(0);
+    for (std::size_t n = 0; n < options.more_depth.size(); ++n) {
+      const auto sensor = static_cast<int>(n) + 1;
+      if (const auto lidar = lidars.find(sensor); lidar != lidars.end()) {
+        out.cameras.more_lidars.insert(*lidar);
       }
-      out.cameras.depth = camera;
     }
-    if (options.mounts_from_tf) {
-      const auto mount = [&](Camera camera) {
-        transforms.hold(options.frames.base, infos[camera]->frame);
-        return *transforms.newest(options.frames.base, infos[camera]->frame);
-      };
-      if (out.cameras.stereo) out.cameras.stereo_mount = CameraMount{mount(kLeftCamera) * T_left};
-      if (out.cameras.depth) {
-        const CameraInfo& info = infos[kDepthCamera]->info;
+    const auto mount = [&](Camera camera) {
+      transforms.hold(options.frames.base, infos[camera]->frame);
+      return *transforms.newest(options.frames.base, infos[camera]->frame);
+    };
+    if (options.mounts_from_tf && out.cameras.stereo) {
+      out.cameras.stereo_mount = CameraMount{mount(kLeftCamera) * T_left};
+    }
+    for (int sensor = 0; sensor <= static_cast<int>(options.more_depth.size()); ++sensor) {
+      const Camera camera = kDepthCamera + static_cast<Camera>(sensor);
+      const DdsOptions::Depth& depth = *depth_of(camera);
+      if (depth.info.empty()) continue;
+      size(camera, depth.info);
+      const CameraInfo& info = infos[camera]->info;
+      std::vector<std::string> notes;  // of a lens that moves pixels a little
+      const PinholeCamera model = depth_camera_of(info, depth.rectified, depth.info, notes);
+      try {
+        validate(model);
+      } catch (const std::invalid_argument& problem) {
+        throw InputError(depth.info + ": " + problem.what());
+      }
+      std::optional<CameraMount> place;
+      if (options.mounts_from_tf) {
         const Eigen::Isometry3d turn =
-            options.depth.rectified ? rectified_axes(info) : Eigen::Isometry3d::Identity();
-        out.cameras.depth_mount = CameraMount{mount(kDepthCamera) * turn};
+            depth.rectified ? rectified_axes(info) : Eigen::Isometry3d::Identity();
+        place = CameraMount{mount(camera) * turn};
+      }
+      if (sensor == 0) {
+        out.cameras.depth = model;
+        out.cameras.depth_mount = place;
+      } else {
+        out.cameras.more_depth[sensor] = model;
+        if (place) out.cameras.more_mounts[sensor] = *place;
       }
     }
     return out;
@@ -270,7 +307,7 @@ struct DdsSensors::Impl {
   mutable std::condition_variable came;
   std::array<std::optional<ReceivedInfo>, kCameras> infos;
   mutable std::array<std::optional<std::string>, kCameras> frames;  // of the images
-  std::optional<DdsLidar> lidar;                                    // by the first scan
+  std::map<int, DdsLidar> lidars;        // of each depth sensor, by its first scan
   std::array<bool, kCameras> changed{};  // the newest calibration is not that of `known`
   mutable std::shared_ptr<const Reading> known;
 };
@@ -302,19 +339,33 @@ DdsSensors::DdsSensors(const DdsOptions& options, DdsNode& node, DdsTransforms& 
   images(options.stereo.left, options.stereo.compressed, kLeftCamera);
   images(options.stereo.right, options.stereo.compressed, kRightCamera);
   images(options.depth.image, options.depth.compressed, kDepthCamera);
-  if (!options.scan.empty()) {
-    node.subscribe(
-        options.scan, ros::definition_of<ros::LaserScan>(), kSensorQos,
-        [impl](std::string_view cdr, const std::string& name) { impl->take_scan(cdr, name); });
-  }
-  if (!options.point_cloud.empty()) {
-    node.subscribe(options.point_cloud, ros::definition_of<ros::PointCloud2>(), kSensorQos,
-                   [impl](std::string_view cdr, const std::string& name) {
+  const auto scans = [&](const std::string& topic, int sensor) {
+    if (topic.empty()) return;
+    node.subscribe(topic, ros::definition_of<ros::LaserScan>(), kSensorQos,
+                   [impl, sensor](std::string_view cdr, const std::string& name) {
+                     impl->take_scan(cdr, name, sensor);
+                   });
+  };
+  const auto clouds = [&](const std::string& topic, int sensor) {
+    if (topic.empty()) return;
+    node.subscribe(topic, ros::definition_of<ros::PointCloud2>(), kSensorQos,
+                   [impl, sensor](std::string_view cdr, const std::string& name) {
                      const RosHeader header = read_ros_header(cdr, name);
                      DepthScan rays;
                      rays.hits = read_ros_point_cloud(cdr, name);
-                     impl->take_rays(std::move(rays), header.stamp, impl->in_base(header, name));
+                     impl->take_rays(std::move(rays), header.stamp, impl->in_base(header, name),
+                                     sensor);
                    });
+  };
+  scans(options.scan, 0);
+  clouds(options.point_cloud, 0);
+  for (std::size_t n = 0; n < options.more_depth.size(); ++n) {
+    const DdsOptions::MoreDepth& more = options.more_depth[n];
+    const auto sensor = static_cast<int>(n) + 1;
+    info(more.depth.info, kDepthCamera + n + 1);
+    images(more.depth.image, more.depth.compressed, kDepthCamera + n + 1);
+    scans(more.scan, sensor);
+    clouds(more.point_cloud, sensor);
   }
 }
 DdsSensors::~DdsSensors() = default;

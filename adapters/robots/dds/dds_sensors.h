@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -27,6 +28,10 @@ struct DdsCameras {
   std::optional<DdsLidar> lidar;       ///< of a robot with scans and no depth images
   /// In frames.base by tf; none: the robot's description says where they are.
   std::optional<CameraMount> stereo_mount, depth_mount;
+  // Of the depth sensors from 1 on, by their number.
+  std::map<int, PinholeCamera> more_depth{};
+  std::map<int, DdsLidar> more_lidars{};     ///< of scans
+  std::map<int, CameraMount> more_mounts{};  ///< of depth cameras by tf
 };
 
 /// The sensors of a robot behind topics of ROS 2: images become grey and rectified, depths metres,

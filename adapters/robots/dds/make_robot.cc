@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "adapters/formats/files/input_error.h"
 #include "adapters/robots/dds/dds_base.h"
@@ -63,6 +64,12 @@ struct DdsParts {
 }  // namespace
 
 Robot make_robot(const DdsRobotConfiguration& options) {
+  if (options.robot.more_depth.size() != options.topics.more_depth.size()) {
+    throw InputError("robot.more_depth: " + std::to_string(options.robot.more_depth.size()) +
+                     " depth sensors, the topics have " +
+                     std::to_string(options.topics.more_depth.size()) +
+                     "; expected one for each entry of more_depth there, in the same order");
+  }
   const auto parts = std::make_shared<DdsParts>(options);
   const DdsCameras cameras = parts->sensors.wait();
   if (const auto faults = parts->base.report().faults; !faults.empty()) throw InputError(faults);
@@ -80,7 +87,9 @@ Robot make_robot(const DdsRobotConfiguration& options) {
   robot.made = parts->clock.now();
   robot.simulated_time = options.topics.use_sim_time;
   robot.depth = cameras.depth;
-  if (cameras.stereo || cameras.depth || cameras.lidar) {
+  robot.more_depth = cameras.more_depth;
+  if (cameras.stereo || cameras.depth || cameras.lidar || !cameras.more_depth.empty() ||
+      !cameras.more_lidars.empty()) {
     robot.description = robot_with(cameras, options.robot);
     robot.described_by = "the robot's topics";
   }

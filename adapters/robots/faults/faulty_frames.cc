@@ -90,9 +90,22 @@ void FaultyFrames::observe(const SensorFrame& frame) {
   const bool of_depth = any({FaultSource::kDepth, FaultSource::kClock});
   const bool of_cameras = any({FaultSource::kLeftCamera, FaultSource::kRightCamera,
                                FaultSource::kCameras, FaultSource::kClock});
-  if (const auto* image = std::get_if<DepthFrame>(&frame); image && of_depth) {
+  const auto* const image = std::get_if<DepthFrame>(&frame);
+  const auto* const rays = std::get_if<ScanFrame>(&frame);
+  if ((image && image->sensor != 0) || (rays && rays->sensor != 0)) {
+    SensorFrame told = frame;
+    const double time = clock_.now() - start_;
+    std::visit(
+        [&](auto& f) {
+          if constexpr (requires { f.sensor; }) {
+            f.stamp = sensors_clock(faults_, start_, f.stamp, time);
+          }
+        },
+        told);
+    inbox_.observe(told);
+  } else if (image && of_depth) {
     depth(image->stamp, *image->image);
-  } else if (const auto* rays = std::get_if<ScanFrame>(&frame); rays && of_depth) {
+  } else if (rays && of_depth) {
     scan(rays->stamp, {*rays->in_B, rays->pose});
   } else if (const auto* pair = std::get_if<StereoFrame>(&frame); pair && of_cameras) {
     cameras(pair->left_stamp, CameraContent(pair->left), CameraContent(pair->right));

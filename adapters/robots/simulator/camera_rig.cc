@@ -88,6 +88,12 @@ void filter_row(const float* row, int n, const std::vector<float>& weights,
 
 }  // namespace
 
+bool is_rendered(const RgbdFootprint& footprint) {
+  constexpr double kDegree = M_PI / 180.0;
+  const auto fits = [](double angle) { return angle >= kDegree && angle <= 170.0 * kDegree; };
+  return fits(footprint.horizontal_fov) && fits(footprint.vertical_fov);
+}
+
 PinholeCamera depth_camera(const RgbdFootprint& footprint, int width, int height) {
   PinholeCamera camera;
   camera.width = width;

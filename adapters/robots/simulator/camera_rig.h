@@ -42,6 +42,9 @@ struct CameraRigOptions {
 /// The knobs (models/knobs.h); cameras, depth noise and seed are the simulator's.
 void describe(Knobs& knobs, CameraRigOptions& options);
 
+/// Whether an image in perspective holds it: 1 to 170 degrees wide and high.
+bool is_rendered(const RgbdFootprint& footprint);
+
 /// Pinhole camera of width x height pixels that sees the footprint's field of view:
 ///   fx = (width / 2) / tan(horizontal_fov / 2),  cx = (width - 1) / 2;  likewise fy, cy.
 PinholeCamera depth_camera(const RgbdFootprint& footprint, int width, int height);

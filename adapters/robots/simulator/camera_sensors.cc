@@ -5,10 +5,12 @@
 #include <utility>
 #include <variant>
 
+#include "adapters/robots/simulator/depth_cameras.h"
 #include "adapters/robots/simulator/feature_field.h"
 #include "adapters/robots/simulator/noise_stream.h"
 #include "adapters/robots/simulator/scene_renderer.h"
 #include "adapters/robots/simulator/world_mesh.h"
+#include "models/mixed_bits.h"
 #include "models/sinc.h"
 
 namespace prospect {
@@ -36,6 +38,23 @@ CameraRigOptions rig_of(const SimulatorOptions& options) {
   return rig;
 }
 
+/// Of the depth cameras besides the first, by their number.
+std::map<int, CameraRig> more_rigs(const std::shared_ptr<const SceneRenderer>& scene,
+                                   const SimulatorOptions& options) {
+  std::map<int, CameraRig> rigs;
+  int number = 0;
+  for (const DepthSensor& sensor : options.more_depth) {
+    ++number;
+    if (!is_rendered(sensor.footprint)) continue;
+    CameraRigOptions rig = rig_of(options);
+    rig.footprint = sensor.footprint;
+    rig.depth_mount = sensor.mount;
+    rig.seed = mixed_bits(rig.seed + static_cast<std::uint64_t>(number));
+    rigs.emplace(number, CameraRig(scene, rig));
+  }
+  return rigs;
+}
+
 /// The stereo pair as the robot takes it to be.
 StereoCamera believed(const SimulatorOptions& options) {
   const CameraSensorsOptions& errors = options.camera;
@@ -48,11 +67,21 @@ StereoCamera believed(const SimulatorOptions& options) {
 
 /// `perception`, with what the robot has.
 PerceptionOptions perception_of(const SimulatorOptions& options, PerceptionOptions perception,
-                                const PinholeCamera& depth_camera, const Pose& start) {
+                                const PinholeCamera& depth_camera,
+                                const std::map<int, CameraRig>& more, const Pose& start) {
   perception.stereo_mount = options.stereo_mount;
   perception.depth_camera = {depth_camera, options.depth_mount};
   perception.depth_mapping.range = {options.depth.footprint.min_range,
                                     options.depth.footprint.max_range};
+  for (const auto& [sensor, rig] : more) {
+    const RgbdFootprint& f = rig.options().footprint;
+    perception.more_depth_cameras[sensor] = {rig.depth_camera(), rig.options().depth_mount,
+                                             DepthRange{f.min_range, f.max_range}};
+  }
+  // The map reaches farther than the first camera.
+  if (!options.more_depth.empty()) {
+    perception.depth_camera->range = perception.depth_mapping.range;
+  }
   perception.start = start;
   return perception;
 }
@@ -72,11 +101,11 @@ CameraSensors::CameraSensors(const World& world, const SimulatorOptions& options
                              const std::vector<Disc>& known_free)
     : options_(options),
       rig_(scene_of(world, options), rig_of(options)),
-      looking_(world, options.depth, options.depth_mount,
-               stream_seed(options.seed, NoiseStream::kDepth)),
+      more_(more_rigs(scene_of(world, options), options)),
+      looking_(depth_cameras(world, options)),
       has_wheels_(perception.wheels),
       perception_(believed(options),
-                  perception_of(options, perception, rig_.depth_camera(), start)),
+                  perception_of(options, perception, rig_.depth_camera(), more_, start)),
       wheel_noise_(stream_seed(options.seed, NoiseStream::kWheels)),
       wheel_pose_(start) {
   if (options.map) perception_.map().load(*options.map);
@@ -138,15 +167,32 @@ void CameraSensors::image(double stamp, const Pose& true_pose, const Twist& twis
 Pose CameraSensors::estimate(double stamp, const Pose&) const { return perception_.pose(stamp); }
 
 void CameraSensors::scan(double stamp, const Pose& true_pose, SeenArea& seen) {
-  seen.look(looking_, true_pose);
-  const DepthFrame frame{stamp,
-                         std::make_shared<const DepthImage>(rig_.depth(true_pose, scans_++))};
-  deliver(frame);
-  if (enters_ranges_) enter(stamp, frame);
+  const std::uint64_t number = scans_++;
+  const auto measured = [&](const SensorFrame& frame) {
+    deliver(frame);
+    if (enters_ranges_) enter(stamp, frame);
+  };
+  for (std::size_t n = 0; n < looking_.size(); ++n) {
+    const auto sensor = static_cast<int>(n);
+    DepthScan rays = seen.look(looking_[n], true_pose);
+    const auto more = more_.find(sensor);
+    if (n > 0 && more == more_.end()) {
+      measured(
+          ScanFrame{stamp, std::make_shared<const DepthScan>(std::move(rays)), nullptr, sensor});
+    } else {
+      const CameraRig& rig = n == 0 ? rig_ : more->second;
+      measured(DepthFrame{stamp, std::make_shared<const DepthImage>(rig.depth(true_pose, number)),
+                          sensor});
+    }
+  }
 }
 
 void CameraSensors::enter(double stamp, const SensorFrame& ranges) {
-  if (const auto* depth = std::get_if<DepthFrame>(&ranges)) perception_.depth(stamp, *depth->image);
+  if (const auto* depth = std::get_if<DepthFrame>(&ranges)) {
+    perception_.depth(stamp, *depth->image, depth->sensor);
+  } else if (const auto* scan = std::get_if<ScanFrame>(&ranges)) {
+    perception_.scan(stamp, *scan->in_B, scan->sensor);
+  }
 }
 
 std::shared_ptr<const Belief> CameraSensors::belief(double stamp, const Pose&, const Twist&) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <random>
 #include <string>
@@ -31,6 +32,9 @@ TexturedMesh seen_mesh(const World& world, const SimulatorOptions& options);
 /// scales drawn once, N(1, sigma_scale^2), plus noise of the variances that WheelNoise gives:
 /// (along^2 |v|, across^2 |v|) / dt and (turn^2 |w| + heading^2 |v|) / dt.
 ///
+/// Depth sensors besides the first are rendered, too, up to 170 degrees wide; wider ones are
+/// lidars, whose rays meet the world's voxels.
+///
 /// Inputs arrive at once, so no depth image waits for a pose, but after leave_ranges(). A
 /// robot that is to use no wheels holds its pose while it is lost.
 ///
@@ -59,7 +63,10 @@ class CameraSensors final : public SimulatedSensors {
 
   SimulatorOptions options_;
   CameraRig rig_;
-  DepthCamera looking_;  ///< what the depth camera's rays pass in truth, for evaluation
+  std::map<int, CameraRig> more_;  ///< of depth cameras besides the first, by their number
+  /// What rays of each depth sensor pass in truth, for evaluation; of those that no image in
+  /// perspective holds also what they measure.
+  std::vector<DepthCamera> looking_;
   bool has_wheels_;
   PerceptionPipeline perception_;
 

@@ -54,6 +54,7 @@ DepthScan DepthCamera::sense(const Pose& true_pose, std::vector<CellState>* seen
 
   DepthScan scan;
   scan.origin = mount_.T_BC.translation();
+  scan.reach = max_range;
   if (!voxels.contains(start[0], start[1], start[2])) return scan;
   scan.hits.reserve(directions_.size());
 

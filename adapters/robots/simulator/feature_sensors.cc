@@ -1,8 +1,10 @@
 #include "adapters/robots/simulator/feature_sensors.h"
 
+#include <algorithm>
 #include <variant>
 #include <vector>
 
+#include "adapters/robots/simulator/depth_cameras.h"
 #include "adapters/robots/simulator/noise_stream.h"
 #include "adapters/robots/simulator/relocalization.h"
 #include "adapters/robots/simulator/view_features.h"
@@ -24,15 +26,15 @@ FeatureSensors::FeatureSensors(const World& world, const SimulatorOptions& optio
                                const std::vector<Disc>& known_free)
     : stereo_(options.features.stereo),
       stereo_mount_(options.stereo_mount),
-      depth_(world, options.depth, options.depth_mount,
-             stream_seed(options.seed, NoiseStream::kDepth)),
+      depth_(depth_cameras(world, options)),
       field_(tracked_field(world, options)),
       camera_(world, field_, options.features, options.stereo_mount,
               stream_seed(options.seed, NoiseStream::kFeatures)),
       odometry_(options.odometry, options.features.stereo, options.stereo_mount, start,
                 stream_seed(options.seed, NoiseStream::kOdometry)),
       landmarks_(landmarks_of(options, perception), options.features, options.stereo_mount),
-      mapper_(perception.mapping) {
+      mapper_(perception.mapping),
+      scan_stamps_(depth_.size(), 0.0) {
   if (options.map) mapper_.load(*options.map);
   const double z = start.position.z();
   for (const Disc& d : known_free) {
@@ -42,18 +44,23 @@ FeatureSensors::FeatureSensors(const World& world, const SimulatorOptions& optio
 }
 
 void FeatureSensors::scan(double stamp, const Pose& true_pose, SeenArea& seen) {
-  ScanFrame frame;
-  frame.stamp = stamp;
-  frame.in_B = std::make_shared<const DepthScan>(seen.look(depth_, true_pose));
-  frame.pose = std::make_shared<const Pose>(odometry_.estimate(true_pose));
-  deliver(frame);
-  if (enters_ranges_) enter(stamp, frame);
+  for (std::size_t n = 0; n < depth_.size(); ++n) {
+    ScanFrame frame;
+    frame.stamp = stamp;
+    frame.in_B = std::make_shared<const DepthScan>(seen.look(depth_[n], true_pose));
+    frame.pose = std::make_shared<const Pose>(odometry_.estimate(true_pose));
+    frame.sensor = static_cast<int>(n);
+    deliver(frame);
+    if (enters_ranges_) enter(stamp, frame);
+  }
 }
 
 void FeatureSensors::enter(double stamp, const SensorFrame& ranges) {
   const auto* scan = std::get_if<ScanFrame>(&ranges);
-  if (!scan || !scan->pose) return;
-  scan_stamp_ = stamp;
+  if (!scan || !scan->pose || scan->sensor >= static_cast<int>(depth_.size())) return;
+  // A robot's ranges are as old as those of the sensor that is farthest behind.
+  scan_stamps_[static_cast<std::size_t>(scan->sensor)] = stamp;
+  scan_stamp_ = *std::min_element(scan_stamps_.begin(), scan_stamps_.end());
   mapper_.insert(transform(*scan->in_B, *scan->pose));
 }
 

@@ -44,13 +44,14 @@ class FeatureSensors final : public SimulatedSensors {
 
   StereoCamera stereo_;
   CameraMount stereo_mount_;
-  DepthCamera depth_;
+  std::vector<DepthCamera> depth_;  // a sensor each
   FeatureField field_;
   FeatureCamera camera_;
   OdometryModel odometry_;
   LandmarkBuilder landmarks_;
   OccupancyMapper mapper_;
 
+  std::vector<double> scan_stamps_;              // [s], of each depth sensor
   double scan_stamp_ = 0.0, image_stamp_ = 0.0;  // [s], of the newest
   bool any_image_ = false;
   Pose image_pose_;  // true pose of the newest image

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
 #include <utility>
 
@@ -26,6 +27,20 @@ std::optional<PinholeCamera> camera_of(const SimulatedRobotConfiguration& option
   constexpr int kFiner = 4;
   return depth_camera(seen, images ? rig.depth_width : kFiner * simulator.depth.columns,
                       images ? rig.depth_height : kFiner * simulator.depth.rows);
+}
+
+/// Of the depth sensors from 1 on those with images, as CameraSensors renders them.
+std::map<int, PinholeCamera> more_cameras_of(const SimulatedRobotConfiguration& options) {
+  std::map<int, PinholeCamera> cameras;
+  const CameraRigOptions& rig = options.simulator.camera.rig;
+  if (options.simulator.sensors != Sensors::kCamera) return cameras;
+  int number = 0;
+  for (const DepthSensor& sensor : options.simulator.more_depth) {
+    ++number;
+    if (!is_rendered(sensor.footprint)) continue;
+    cameras[number] = depth_camera(sensor.footprint, rig.depth_width, rig.depth_height);
+  }
+  return cameras;
 }
 
 /// All that the robot's pointers share.
@@ -64,6 +79,7 @@ Robot make_robot(const SimulatedRobotConfiguration& options) {
   robot.start = parts->simulator.true_pose();
   robot.made = parts->base.start();
   robot.depth = camera_of(options);
+  robot.more_depth = more_cameras_of(options);
   return robot;
 }
 

@@ -1,6 +1,7 @@
 // The descriptions of options, in a library of their own: reading a configuration builds nothing
 // that acts on them.
 
+#include <algorithm>
 #include <limits>
 #include <string>
 
@@ -143,6 +144,9 @@ OccupancyMapperOptions mapping_options(const SimulatorOptions& options,
   mapping.slice.z_max = slice.z_max;
   mapping.slice.sight = options.base_height + options.depth_mount.T_BC.translation().z();
   mapping.max_range = options.depth.footprint.max_range;
+  for (const DepthSensor& sensor : options.more_depth) {
+    mapping.max_range = std::max(mapping.max_range, sensor.footprint.max_range);
+  }
   return mapping;
 }
 

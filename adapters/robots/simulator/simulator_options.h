@@ -13,6 +13,7 @@
 #include "adapters/robots/simulator/landmark_builder.h"
 #include "adapters/robots/simulator/odometry_model.h"
 #include "models/camera.h"
+#include "models/robot_description.h"
 #include "models/robot_shape.h"
 #include "perception/mapping/occupancy_mapper.h"
 #include "perception/pipeline/perception_options.h"
@@ -73,6 +74,8 @@ struct SimulatorOptions {
   CameraMount depth_mount;
   DepthCameraOptions depth;
   double depth_rate = 5.0;  ///< [Hz]
+  /// RobotDescription::more_depth; noise and spacing of their rays are those of `depth`.
+  std::vector<DepthSensor> more_depth{};
 
   CameraMount stereo_mount;
   FeatureCameraOptions features;
@@ -95,7 +98,7 @@ struct SimulatorOptions {
 void describe(Knobs& knobs, SimulatorOptions& options);
 
 /// `mapping`, with what it takes from the robot: slice is body_slice() of shape and base_height,
-/// max_range that of the depth camera.
+/// max_range the longest of the depth sensors.
 OccupancyMapperOptions mapping_options(const SimulatorOptions& options,
                                        OccupancyMapperOptions mapping);
 /// What of robot and map does not fit together (range_misfit(), layers_misfit()): "" or the keys,

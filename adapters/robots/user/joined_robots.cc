@@ -63,6 +63,11 @@ UserRobot joined(const std::vector<UserRobot>& parts) {
     }
     robot.settings.insert(robot.settings.end(), part.settings.begin(), part.settings.end());
     robot.options.insert(robot.options.end(), part.options.begin(), part.options.end());
+    for (const auto& [number, camera] : part.more_depth) {
+      if (!robot.more_depth.emplace(number, camera).second) {
+        refuse_two(robot.name, "a depth camera of one number");
+      }
+    }
     take(robot.depth, part.depth, robot.name, "a depth camera");
     if (robot.start.position.isZero(0.0) && robot.start.yaw == 0.0) robot.start = part.start;
   }

@@ -12,6 +12,7 @@
 #include "adapters/robots/faults/faulty_frames.h"
 #include "adapters/robots/user/foreign_thread.h"
 #include "adapters/robots/user/joined_robots.h"
+#include "adapters/robots/user/return_deadline.h"
 #include "adapters/robots/user/threaded_base.h"
 #include "runtime/clock.h"
 
@@ -20,7 +21,10 @@ namespace {
 
 RobotDrivers made(const UserRobotConfiguration& o) {
   check(o.user);
-  RobotDrivers drivers = o.user.make(o.options);
+  const RobotDrivers drivers = [&] {
+    const ReturnDeadline deadline(o.user.name + ": make()", ReturnDeadline::kMakePatience);
+    return o.user.make(o.options);
+  }();
   const bool sensors = !drivers.sensors.empty() &&
                        std::ranges::all_of(drivers.sensors, [](auto& s) { return s != nullptr; });
   if (!drivers.base || !sensors) {
@@ -96,6 +100,7 @@ Robot make_robot(const UserRobotConfiguration& options) {
   robot.start.position.z() = options.robot.base_height();
   robot.made = parts.start;
   robot.depth = options.user.depth;
+  robot.more_depth = options.user.more_depth;
   robot.emergency_stop = parts.drivers.emergency_stop.get();
   robot.link_faults = [running] { return running->parts->told(); };
   return robot;

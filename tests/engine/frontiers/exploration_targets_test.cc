@@ -80,7 +80,7 @@ TEST(ExplorationTargets, HoldExactlyTheUnknownCellsNearAFrontier) {
     options.max_targets = 100000;
     options.reach = 100.0;
     const ExplorationTargets found =
-        exploration_targets(s.belief, s.frontier, RgbdFootprint(), CameraMount(), options);
+        exploration_targets(s.belief, s.frontier, {DepthSensor()}, options);
     // Every cell against every frontier cell.
     std::map<std::pair<int, int>, int> blocks;
     for (int i = -100; i < 100; ++i) {
@@ -114,16 +114,14 @@ TEST(ExplorationTargets, HoldExactlyTheUnknownCellsNearAFrontier) {
 TEST(ExplorationTargets, AreCappedNearestFirstAndIndependentOfTheOrderOfFrontierCells) {
   std::mt19937_64 random(2);
   Scene s = scene(random);
-  const ExplorationTargets a =
-      exploration_targets(s.belief, s.frontier, RgbdFootprint(), CameraMount());
+  const ExplorationTargets a = exploration_targets(s.belief, s.frontier, {DepthSensor()});
   std::shuffle(s.frontier.begin(), s.frontier.end(), random);
-  EXPECT_TRUE(same(a, exploration_targets(s.belief, s.frontier, RgbdFootprint(), CameraMount())));
+  EXPECT_TRUE(same(a, exploration_targets(s.belief, s.frontier, {DepthSensor()})));
   ASSERT_LE(a.targets.size(), 200u);
 
   ExplorationTargetOptions few;
   few.max_targets = 15;
-  const ExplorationTargets b =
-      exploration_targets(s.belief, s.frontier, RgbdFootprint(), CameraMount(), few);
+  const ExplorationTargets b = exploration_targets(s.belief, s.frontier, {DepthSensor()}, few);
   ASSERT_EQ(b.targets.size(), 15u);
   EXPECT_EQ(b.reference_area, a.reference_area);  // what there is does not depend on the cap
   const auto distance = [&](const ExplorationTarget& t) {
@@ -147,10 +145,8 @@ TEST(ExplorationTargets, LeaveOutWhatThePresentPoseSeesAndStaysUnknown) {
     keep.drop_visible = false;
     ExplorationTargetOptions drop = keep;
     drop.drop_visible = true;
-    const auto all =
-        exploration_targets(s.belief, s.frontier, RgbdFootprint(), CameraMount(), keep);
-    const auto left =
-        exploration_targets(s.belief, s.frontier, RgbdFootprint(), CameraMount(), drop);
+    const auto all = exploration_targets(s.belief, s.frontier, {DepthSensor()}, keep);
+    const auto left = exploration_targets(s.belief, s.frontier, {DepthSensor()}, drop);
     EXPECT_EQ(left.visible_now + left.targets.size(), all.targets.size());
     dropped += left.visible_now;
     const FootprintVisibility view(RgbdFootprint{}, CameraMount{});
@@ -172,7 +168,7 @@ TEST(ExplorationTargets, DegenerateInput) {
   std::mt19937_64 random(4);
   Scene s = scene(random);
   const auto run = [&](const std::vector<Cell>& cells) {
-    return exploration_targets(s.belief, cells, RgbdFootprint(), CameraMount());
+    return exploration_targets(s.belief, cells, {DepthSensor()});
   };
   EXPECT_TRUE(run({}).targets.empty());
   EXPECT_EQ(run({}).reference_area, 0.3);
@@ -184,7 +180,7 @@ TEST(ExplorationTargets, DegenerateInput) {
   EXPECT_TRUE(run(s.frontier).targets.empty());
   ExplorationTargetOptions bad;
   bad.block = 0.0;
-  EXPECT_THROW(exploration_targets(s.belief, s.frontier, RgbdFootprint(), CameraMount(), bad),
+  EXPECT_THROW(exploration_targets(s.belief, s.frontier, {DepthSensor()}, bad),
                std::invalid_argument);
 }
 

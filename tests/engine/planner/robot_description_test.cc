@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "engine/maps/map_projection.h"
+#include "engine/planner/frontier_planner_options.h"
 #include "engine/planner/planner.h"
 #include "models/make_model.h"
 #include "tests/engine/planning_scene.h"
@@ -37,6 +38,41 @@ TEST(RobotDescription, TheSliceIsTheBodyRaisedToWhereItsOriginStands) {
   flying.model = make_model("multirotor");
   EXPECT_NEAR(flying.slice().z_min, 0.1, 1e-12);
   EXPECT_EQ(flying.base_height(), 0.0);
+}
+
+// Frontiers are looked at by what lies about the first sensor's axis without a gap.
+TEST(RobotDescription, FrontiersAreLookedAtByTheSensorsThatJoinTheFirst) {
+  constexpr double kDegree = M_PI / 180.0;
+  const auto sensor = [&](double fov, double yaw, double range = 4.0) {
+    return DepthSensor{RgbdFootprint{fov * kDegree, 0.9, 0.3, range},
+                       {CameraMount::forward_facing({0.0, 0.0, 0.45}, yaw * kDegree)}};
+  };
+  struct Row {
+    std::vector<DepthSensor> sensors;  // the first one, then the others
+    double field;                      // [deg]
+  };
+  const Row rows[] = {
+      {{sensor(70, 0)}, 70},
+      {{sensor(70, 0), sensor(70, 180)}, 70},
+      {{sensor(70, 180), sensor(70, 0)}, 70},
+      {{sensor(70, 0), sensor(70, 60)}, 70},
+      {{sensor(70, 0), sensor(70, 60), sensor(70, -60)}, 190},
+      {{sensor(70, 90), sensor(70, 150), sensor(70, 30)}, 190},
+      {{sensor(70, 0), sensor(70, 120), sensor(70, -120), sensor(70, 60), sensor(70, -60)}, 310},
+      {{sensor(120, 0), sensor(125, 120), sensor(125, -120)}, 360},
+      {{sensor(70, 0), sensor(360, 0)}, 360},
+      {{sensor(70, 0), sensor(360, 0, 3.0)}, 70},
+      {{sensor(360, 0), sensor(70, 0, 9.0)}, 360}};
+  int n = 0;
+  for (const Row& row : rows) {
+    RobotDescription robot = raised("unicycle", 0.0);
+    robot.depth = row.sensors.front().footprint;
+    robot.depth_mount = row.sensors.front().mount;
+    robot.more_depth.assign(row.sensors.begin() + 1, row.sensors.end());
+    const FrontierPlannerOptions options = frontier_planner_options_for(robot, PlannerParameters());
+    EXPECT_NEAR(options.utility.sensor_fov, row.field * kDegree, 1e-9) << n;
+    EXPECT_EQ(options.frontiers.sensor_range, robot.depth.max_range) << n++;
+  }
 }
 
 // The planner certified 0.9 to 1.3 m for a body that its guard and the simulator had at 0.1 to 0.5.

@@ -733,14 +733,14 @@ TEST(Certificate, BadNumbersAreReportedNotThrown) {
   EXPECT_TRUE(certifier.in_collision(belief, {{nan, 0.0, 0.0}, 0.0}, true));
 
   Certifier::Options options = free_policy();
-  options.sensor = DepthSensor{};
-  options.sensor->footprint.max_range = nan;
+  options.sensors = {DepthSensor{}};
+  options.sensors.front().footprint.max_range = nan;
   EXPECT_THROW(Certifier(CylinderShape{}, options), std::invalid_argument);
 }
 
 Certifier::Options lost_options() {
   Certifier::Options options = free_policy();
-  options.sensor = DepthSensor{};
+  options.sensors = {DepthSensor{}};
   return options;
 }
 
@@ -757,7 +757,7 @@ TEST(Certificate, WithoutABoundOnThePoseOnlyWhatIsInViewIsEntered) {
   const Holonomic model;
   const Certifier certifier(CylinderShape{}, lost_options());
   Certifier::Options blind_options = lost_options();
-  blind_options.sensor.reset();
+  blind_options.sensors.clear();
   const Certifier blind(CylinderShape{}, blind_options);
   const auto status = [&](const Certifier& c, const Belief& belief,
                           std::initializer_list<double> u) {
@@ -784,6 +784,21 @@ TEST(Certificate, WithoutABoundOnThePoseOnlyWhatIsInViewIsEntered) {
       EXPECT_EQ(status(blind, belief, {0.0, 0.0, 1.0}), Status::kOk);
     }
   }
+  // A second camera looks back: each strip of its own.
+  Certifier::Options two_options = lost_options();
+  two_options.sensors.push_back(
+      {RgbdFootprint(), {CameraMount::forward_facing({0.0, 0.0, 0.45}, M_PI)}});
+  const Certifier two(CylinderShape{}, two_options);
+  for (const double yaw : {0.0, 0.7, 3.0, -1.9}) {
+    Belief belief = unbounded[0];
+    belief.pose.yaw = yaw;
+    EXPECT_EQ(status(two, belief, {0.5, 0.0, 0.0}), Status::kOk);
+    EXPECT_EQ(status(two, belief, {-0.5, 0.0, 0.0}), Status::kOk);
+    EXPECT_EQ(status(two, belief, {0.0, 0.4, 0.0}), Status::kOutOfView);
+    EXPECT_EQ(status(two, belief, {0.0, -0.4, 0.0}), Status::kOutOfView);
+  }
+  two_options.sensors.resize(kMostDepthSensors + 1);
+  EXPECT_THROW(Certifier(CylinderShape{}, two_options), std::invalid_argument);
   const Certificate refused =
       certifier.certify(lost_belief(world), model, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(),
                         constant(model, 2, {-0.4, 0.0, 0.0}), kDt);

@@ -211,6 +211,73 @@ TEST(ExplorationGain, GradientMatchesDifferencesWithAPresentPose) {
   }
 }
 
+// Front and rear cameras, and a lidar lower down: what one of them sees is seen.
+TEST(ExplorationGain, OfSeveralSensorsIsThatOfTheUnionOfTheirViews) {
+  std::mt19937_64 random(11);
+  const Scene s = scene(random, 80);
+  const std::vector<DepthSensor> sensors = {
+      {RgbdFootprint(), CameraMount()},
+      {RgbdFootprint(), {CameraMount::forward_facing({-0.1, 0.0, 0.45}, M_PI)}},
+      {RgbdFootprint{2.0 * M_PI, 0.0, 0.1, 2.5}, {CameraMount::forward_facing({0.0, 0.0, 0.3})}}};
+  const VoxelGrid grid = test::hall(random, true, 15);
+  std::vector<ExplorationGain::Sight> sights;
+  std::vector<FootprintVisibility> views;
+  for (const DepthSensor& sensor : sensors) {
+    const double z = sensor.mount.T_BC.translation().z();
+    const auto table = std::make_shared<const OcclusionTable>(
+        SensorLattice::around({0, 0, z}, 3.0, 0.2), s.targets.positions(z - 0.45), grid,
+        OcclusionTable::Options());
+    sights.push_back({sensor, table});
+    views.emplace_back(sensor.footprint, sensor.mount, table);
+  }
+  const Unicycle model;
+  const ExplorationGain::Options options;
+  const int n = views.front().size();
+  FootprintVisibility::Scratch scratch(n);
+  const auto seen_by = [&](const Pose& pose, std::size_t sensor) {
+    Eigen::VectorXd v(n);
+    views[sensor].evaluate(pose, scratch, v.data());
+    return v;
+  };
+  double by_first = 0.0, by_all = 0.0;
+  for (int trial = 0; trial < 6; ++trial) {
+    const TrajectoryBatch t = test::random_trajectories(model, 6, 0.25, 1, random);
+    const auto united = [&](const Pose& pose) {
+      Eigen::VectorXd unseen = Eigen::VectorXd::Ones(n);
+      for (std::size_t k = 0; k < sensors.size(); ++k) {
+        unseen.array() *= 1.0 - seen_by(pose, k).array();
+      }
+      return Eigen::VectorXd(1.0 - unseen.array());
+    };
+    const Eigen::VectorXd now = united(t.pose(0, 0));
+    Eigen::VectorXd unseen = Eigen::VectorXd::Ones(n);
+    for (int k = 1; k <= 6; ++k) {
+      const Eigen::VectorXd v = united(t.pose(k, 0));
+      for (int c = 0; c < n; ++c) {
+        const double q = v[c] > now[c] ? std::pow(v[c] - now[c], 2) / (v[c] * (1.0 - now[c])) : 0.0;
+        unseen[c] *= 1.0 - options.eta * std::exp(-k * 0.25 / options.tau) * q;
+      }
+    }
+    double expected = 0.0;
+    for (int c = 0; c < n; ++c) {
+      expected += s.targets.targets[static_cast<std::size_t>(c)].mass * (1.0 - unseen[c]) / 2.5;
+    }
+    const ExplorationGain gain(s.targets, sights, options, t.pose(0, 0));
+    EXPECT_NEAR(test::evaluate(gain, t, false).value(0, 0), expected, 1e-12);
+    test::expect_derivative_matches_differences(gain, t, 0, 1e-5, 2e-6);
+    const ExplorationGain anew(s.targets, sights, options),
+        one(s.targets, std::vector{sights[0]}, options);
+    by_all += test::evaluate(anew, t, false).value(0, 0);
+    by_first += test::evaluate(one, t, false).value(0, 0);
+  }
+  EXPECT_GT(by_all, 1.2 * by_first);
+  EXPECT_THROW(ExplorationGain(s.targets, std::vector<ExplorationGain::Sight>(), options),
+               std::invalid_argument);
+  std::swap(sights[0].table, sights[2].table);
+  EXPECT_THROW(ExplorationGain(s.targets, sights, options), std::invalid_argument)
+      << "a table of targets at another height";
+}
+
 TEST(ExplorationGain, BatchEqualsSingleAndPermutationDoesNotMatter) {
   std::mt19937_64 random(3);
   const Scene s = scene(random, 90);

@@ -453,6 +453,60 @@ TEST(PerceptionPipeline, ABodyThatIsFreeInSpaceByPosesFromOutside) {
   EXPECT_GT(belief->ground->free_cells(), 200);
 }
 
+// Two lidars at two places and a camera, of the same stamps, each with its own origin and reach.
+TEST(PerceptionPipeline, MapsWithSeveralDepthSensorsEachFromWhereItIs) {
+  PerceptionOptions options = options_with(false, false);
+  options.more_depth_cameras[2] = kDepthCamera;
+  options.more_depth_cameras[2].range = DepthRange{0.3, 1.0};
+  const auto drive = [&](const std::vector<int>& sensors) {
+    PerceptionPipeline perception(options);
+    for (int k = 0; k <= 10; ++k) {
+      const double now = kBegin + 0.1 * k;
+      perception.external_pose({.stamp = now, .T_WB = body_transform(truth(now))});
+      for (const int sensor : sensors) {
+        if (sensor == 2) {
+          EXPECT_EQ(perception.depth(now, depth_at(now), 2).state, InputState::kTaken);
+          continue;
+        }
+        // A short wall in front of each of the lidars, which stand 0.3 m apart.
+        DepthScan scan;
+        scan.origin = {sensor == 0 ? 0.15 : -0.15, 0.0, 0.35};
+        for (int i = -5; i <= 5; ++i) {
+          scan.hits.push_back(scan.origin + Vector3d(sensor == 0 ? 1.0 : -1.0, 0.02 * i, 0.0));
+        }
+        EXPECT_EQ(perception.scan(now, scan, sensor).state, InputState::kTaken) << sensor;
+      }
+    }
+    return perception.belief();
+  };
+  const auto known = [](const Belief& belief) {
+    return belief.ground->free_cells() + belief.ground->occupied_cells();
+  };
+  const auto all = drive({0, 1, 2});
+  EXPECT_GT(known(*all), known(*drive({0})) + 5);
+  EXPECT_GT(known(*all), known(*drive({0, 1})));
+  EXPECT_LT(known(*drive({2})), known(*drive({0, 1, 2})));
+  EXPECT_EQ(all->stamps.ranges, kBegin + 1.0);
+  // The camera's reach is its own: nothing is learned beyond it.
+  const int near = known(*drive({2}));
+  options.more_depth_cameras[2].range = DepthRange{0.3, 4.0};
+  EXPECT_GT(known(*drive({2})), 1.5 * near);
+  // One that stops makes all ranges old.
+  PerceptionPipeline perception(options);
+  for (int k = 0; k <= 5; ++k) {
+    perception.external_pose(
+        {.stamp = kBegin + 0.1 * k, .T_WB = body_transform(truth(kBegin + 0.1 * k))});
+    perception.scan(kBegin + 0.1 * k, lidar(), 0);
+    if (k <= 2) perception.scan(kBegin + 0.1 * k, lidar(), 1);
+  }
+  EXPECT_EQ(perception.belief()->stamps.ranges, kBegin + 0.2);
+  EXPECT_EQ(perception.scan(kBegin + 0.5, lidar(), 1).state, InputState::kTaken);
+  EXPECT_EQ(perception.belief()->stamps.ranges, kBegin + 0.5);
+  EXPECT_EQ(perception.scan(kBegin + 0.5, lidar(), 1).state, InputState::kLate);
+  EXPECT_EQ(perception.scan(kBegin + 0.6, lidar(), 16).reason, "of sensor 16; expected 0 to 15");
+  EXPECT_EQ(perception.depth(kBegin + 0.6, depth_at(kBegin), 1).state, InputState::kRefused);
+}
+
 TEST(PerceptionPipeline, PosesComeFromOneSource) {
   PerceptionPipeline own = pipeline_with(options_with(false, false));
   EXPECT_EQ(own.external_pose({.stamp = kBegin}).reason, "the odometry gives the poses");

@@ -195,6 +195,47 @@ TEST(Configuration, SensorsSeeUpToAllRound) {
               HasSubstr("f.yaml:1: robot.depth.vertical_fov"));
 }
 
+// A lidar, a camera that looks back, and one of the defaults.
+TEST(Configuration, TakesSeveralDepthSensors) {
+  const std::string text =
+      "robot: {depth: {horizontal_fov: 360, vertical_fov: 0, mount: {position: [0, 0, 0.3]}},"
+      " more_depth: [{max_range: 3, mount: {position: [-0.1, 0, 0.4], yaw: 180}}, {}]}";
+  const Configuration c = read(text);
+  ASSERT_EQ(c.robot.more_depth.size(), 2u);
+  EXPECT_EQ(c.robot.more_depth[0].footprint.max_range, 3.0);
+  EXPECT_NEAR(c.robot.more_depth[0].mount.T_BC.linear().col(2).x(), -1.0, 1e-12);
+  EXPECT_EQ(c.robot.more_depth[1].footprint.max_range, RgbdFootprint().max_range);
+  EXPECT_LT(c.robot.more_depth[1].footprint.horizontal_fov, 1.3) << "not those of the first";
+  EXPECT_EQ(c.simulator.more_depth.size(), 2u);
+  const Configuration again = read(effective_yaml(c.entries));
+  ASSERT_EQ(again.robot.more_depth.size(), 2u);
+  EXPECT_EQ(again.robot.more_depth[0].mount.T_BC.matrix(),
+            c.robot.more_depth[0].mount.T_BC.matrix());
+  EXPECT_EQ(read("").robot.more_depth.size(), 0u);
+  EXPECT_THAT(effective_yaml(read("").entries), ::testing::Not(HasSubstr("more_depth")));
+
+  // What topics tell of it is in effect, and noted.
+  Configuration told = c;
+  RobotDescription seen = c.robot;
+  seen.more_depth[0].footprint.horizontal_fov = 1.1;
+  seen.more_depth[0].mount.T_BC = CameraMount::forward_facing({-0.2, 0.0, 0.4}, 3.0);
+  set_cameras(told, seen, "the cameras");
+  EXPECT_NEAR(told.robot.more_depth[0].footprint.horizontal_fov, 1.1, 1e-12);
+  EXPECT_NEAR(read(effective_yaml(told.entries)).robot.more_depth[0].mount.T_BC.translation().x(),
+              -0.2, 1e-12);
+  EXPECT_EQ(told.simulator.more_depth[0].footprint.horizontal_fov,
+            told.robot.more_depth[0].footprint.horizontal_fov);
+
+  EXPECT_THAT(problems("robot: {more_depth: [{}, {max_range: -1}]}"),
+              HasSubstr("f.yaml:1: robot.more_depth[1].max_range"));
+  EXPECT_THAT(
+      problems("robot: {more_depth: [{}, {vertical_fov: 0, mount: {position: [0, 0, 1]}}]}"),
+      HasSubstr("robot.more_depth: sensor 2: its rays run 1.000 to 1.000 m"));
+  std::string many = "robot: {more_depth: [{}";
+  for (int n = 1; n < 16; ++n) many += ", {}";
+  EXPECT_THAT(problems(many + "]}"), HasSubstr("16 sensors; expected up to 15"));
+}
+
 // Whatever is asked for is in effect, and what is in effect reads back as itself.
 TEST(Configuration, HowTheWorldIsRead) {
   const Configuration c = read(

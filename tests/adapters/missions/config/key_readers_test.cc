@@ -215,7 +215,7 @@ std::string built(Configuration c, Use use) {
   add_drive(text, c);
   text.add_all(c.guard);
   SensorInboxOptions inbox = c.drive.inbox;
-  PerceptionOptions perception = live_perception(c, std::nullopt, Pose());
+  PerceptionOptions perception = live_perception(c, {}, Pose());
   if (use != Use::kDriveUser) {
     inbox.poses_in_runtime_clock = true;
     inbox.pose_jump = {};
@@ -490,6 +490,11 @@ TEST(KeyReaders, AFileMayDescribeARobotForAllItsMissions) {
   const std::vector<YamlSetting> view = {"robot.depth.horizontal_fov=90"};
   EXPECT_THAT(said("", view, {.use = Use::kDriveDds}), ElementsAre());
   EXPECT_EQ(said("", view, {.use = Use::kDriveDds, .view_told = true}).size(), 1U);
+  const std::vector<YamlSetting> rear = {"robot.more_depth=[{mount: {yaw: 180}}]"};
+  for (const Use use : {Use::kExplore, Use::kDriveDds, Use::kDriveUser}) {
+    EXPECT_THAT(said("", rear, {.use = use}), ElementsAre());
+  }
+  EXPECT_EQ(said("", rear, {.use = Use::kDriveGazebo}).size(), 1U);
   EXPECT_THAT(said("", spaced, {.use = Use::kDriveUser, .pairs = false}), ElementsAre());
   const std::vector<YamlSetting> cells = {"perception.odometry.corners.cells=60"};
   EXPECT_EQ(said("", cells, {.use = Use::kDriveUser, .pairs = false}).size(), 1U);

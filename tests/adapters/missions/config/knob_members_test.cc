@@ -394,10 +394,10 @@ TEST(KnobMembers, EveryNumberAndSwitchIsAKnob) {
   }
   {
     PerceptionOptions o;
-    [[maybe_unused]] auto& [stereo_mount, depth_camera, odometry, mapping, depth_mapping,
-                            scan_mapping, wheels, wheel_fusion, feature_density, start,
-                            start_in_space, same_time, max_age, max_leap, max_ahead, pose_degraded,
-                            pose_lost, most_waiting] = o;
+    [[maybe_unused]] auto& [stereo_mount, depth_camera, more_depth_cameras, odometry, mapping,
+                            depth_mapping, scan_mapping, wheels, wheel_fusion, feature_density,
+                            start, start_in_space, same_time, max_age, max_leap, max_ahead,
+                            pose_degraded, pose_lost, most_waiting] = o;
     EXPECT_KNOBS(o, wheels, same_time, max_age, max_leap, max_ahead, pose_degraded, pose_lost,
                  most_waiting);
   }
@@ -464,8 +464,8 @@ TEST(KnobMembers, EveryNumberAndSwitchIsAKnob) {
   {
     SimulatorOptions o;
     [[maybe_unused]] auto& [seed, sensors, shape, base_height, actuation, depth_mount, depth,
-                            depth_rate, stereo_mount, features, image_rate, odometry, landmarks,
-                            wheels, map, camera] = o;
+                            depth_rate, more_depth, stereo_mount, features, image_rate, odometry,
+                            landmarks, wheels, map, camera] = o;
     EXPECT_KNOBS(o, depth_rate, image_rate);
   }
 }

@@ -63,6 +63,28 @@ TEST(DdsOptions, ReadsWhatIsGivenAndKeepsTheRest) {
   EXPECT_EQ(o.output.map, "/map");
 }
 
+TEST(DdsOptions, DepthSensorsBesidesTheFirst) {
+  const std::string rest = "command: {dead_man: 0.5}\n";
+  const DdsOptions o = read(
+      "more_depth: [{image: /rear/image_rect_raw, info: /rear/camera_info, max_range: 3},\n"
+      " {scan: /scan_low}, {point_cloud: /points}]\n" +
+      rest);
+  ASSERT_EQ(o.more_depth.size(), 3u);
+  EXPECT_EQ(o.more_depth[0].depth.image, "/rear/image_rect_raw");
+  EXPECT_TRUE(o.more_depth[0].depth.rectified) << "by its name";
+  EXPECT_EQ(o.more_depth[0].depth.max_range, 3.0);
+  EXPECT_EQ(o.more_depth[1].scan, "/scan_low");
+  EXPECT_EQ(o.more_depth[1].depth.image + o.more_depth[1].depth.info, "");
+  EXPECT_EQ(o.more_depth[2].point_cloud, "/points");
+  EXPECT_THAT(refusal("more_depth: [{}]\n" + rest), HasSubstr("expected one of them"));
+  EXPECT_THAT(refusal("more_depth: [{scan: /a, point_cloud: /b}]\n" + rest),
+              HasSubstr("expected one of them"));
+  EXPECT_THAT(refusal("more_depth: [{image: /a}]\n" + rest), HasSubstr("expected a topic"));
+  EXPECT_THAT(refusal("scan: /a\nmore_depth: [{scan: /a}]\n" + rest), HasSubstr("another meaning"));
+  EXPECT_THAT(refusal("stereo: {right: none, right_info: none}\n" + rest),
+              HasSubstr("one camera measures no depth"));
+}
+
 TEST(DdsOptions, ARobotMayBeInANamespace) {
   const std::string rest = "command: {dead_man: 0.5}\n";
   for (const char* name : {"a200/x", "/a200/x", "/a200/x/"}) {

@@ -9,12 +9,14 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <tuple>
 #include <variant>
 #include <vector>
 
 #include "adapters/formats/files/input_error.h"
 #include "adapters/formats/ros/sensor_msgs.h"
 #include "adapters/formats/ros/tf2_msgs.h"
+#include "adapters/robots/dds/robot_with_cameras.h"
 #include "tests/adapters/dds_pair.h"
 
 namespace prospect::dds_sensors_test {
@@ -119,6 +121,93 @@ TEST(DdsSensors, WithoutCalibrationNothingBeginsAndALineSaysWhatIsMissing) {
               "/left/camera_info: no message within 0.05 s; expected the left camera's calibration "
               "(sensor_msgs/msg/CameraInfo)");
   }
+}
+
+// A robot with a depth camera ahead, another behind it, and a lidar.
+TEST(DdsSensors, EachDepthSensorHasItsNumberItsPlaceAndItsView) {
+  DdsOptions o = options();
+  o.scan.clear();
+  o.stereo = {"", "", "", ""};
+  o.pose_source = DdsOptions::PoseSource::kTf;
+  o.more_depth.resize(2);
+  o.more_depth[0].depth.image = "/rear/image_rect_raw";
+  o.more_depth[0].depth.info = "/rear/camera_info";
+  o.more_depth[1].scan = "/scan";
+  const SteadyClock clock;
+  SensorInbox inbox(clock, same_clock());
+  DdsNode node(test::dds_test_address("prospect"));
+  DdsTransforms transforms(node);
+  const DdsSensors sensors(o, node, transforms, inbox);
+  node.start();
+  DdsNode robot(test::dds_test_address("robot"));
+  const int infos[] = {robot.advertise<ros::CameraInfo>(o.depth.info, kSensorQos),
+                       robot.advertise<ros::CameraInfo>(o.more_depth[0].depth.info, kSensorQos)};
+  const int images[] = {robot.advertise<ros::Image>(o.depth.image, kSensorQos),
+                        robot.advertise<ros::Image>(o.more_depth[0].depth.image, kSensorQos)};
+  const int scans = robot.advertise<ros::LaserScan>("/scan", kSensorQos);
+  const int places = robot.advertise<ros::TFMessage>("/tf_static", kLatchedQos);
+  robot.start();
+  ros::TFMessage tf;
+  for (const auto& [child, x, half_yaw] : {std::tuple("left_optical", 0.1, 0.0),
+                                           {"rear_optical", -0.1, M_PI_2},
+                                           {"lidar", 0.0, 0.0}}) {
+    ros::TransformStamped t;
+    t.header.frame_id = "base_link";
+    t.child_frame_id = child;
+    t.transform.translation = {x, 0.0, 0.4};
+    t.transform.rotation = {0.0, 0.0, std::sin(half_yaw), std::cos(half_yaw)};
+    tf.transforms.push_back(t);
+  }
+  robot.publish(places, tf);
+  ros::LaserScan scan;
+  scan.angle_increment = 0.1F;
+  scan.range_min = 0.1F;
+  scan.range_max = 5.0F;
+  scan.ranges = {2.0F};
+  ros::CameraInfo rear = camera_info(0.0);
+  rear.header.frame_id = "rear_optical";
+  ASSERT_TRUE(within(
+      kPatience, [&] { return inbox.count_of_sensor(2).received > 0; },
+      [&] {
+        robot.publish(infos[0], camera_info(0.0));
+        robot.publish(infos[1], rear);
+        scan.header = {ros::time_of(clock.now()), "lidar"};
+        robot.publish(scans, scan);
+      }));
+  const DdsCameras cameras = sensors.wait();
+  ASSERT_TRUE(cameras.depth);
+  EXPECT_EQ(cameras.more_depth.at(1).width, kWidth);
+  EXPECT_NEAR(cameras.more_mounts.at(1).T_BC.translation().x(), -0.1, 1e-12);
+  EXPECT_NEAR(cameras.depth_mount->T_BC.translation().x(), 0.1, 1e-12);
+  EXPECT_NEAR(cameras.more_lidars.at(2).max_range, 5.0, 1e-6);
+
+  RobotDescription told;
+  told.more_depth.resize(2);
+  const RobotDescription robot_as_seen = robot_with(cameras, told);
+  EXPECT_NEAR(robot_as_seen.more_depth[0].mount.T_BC.translation().x(), -0.1, 1e-12);
+  EXPECT_EQ(robot_as_seen.more_depth[0].footprint.horizontal_fov,
+            cameras.more_depth.at(1).horizontal_fov());
+  EXPECT_EQ(robot_as_seen.more_depth[1].footprint.vertical_fov, 0.0);
+
+  std::vector<std::uint8_t> depths(kWidth * kHeight * 2, 0);
+  ASSERT_TRUE(within(
+      kPatience,
+      [&] {
+        return inbox.count(SensorStream::kDepth).received > 0 &&
+               inbox.count_of_sensor(1).received > 0;
+      },
+      [&] {
+        const double now = clock.now();
+        for (const int camera : {0, 1}) {
+          depths[0] = 0xdc, depths[1] = static_cast<std::uint8_t>(0x05 + camera);
+          ros::Image image = Robot::image(now, "16UC1", 2, depths);
+          if (camera == 1) image.header.frame_id = "rear_optical";
+          robot.publish(images[camera], image);
+        }
+      }));
+  EXPECT_NEAR(inbox.ranges(0).depth.image->at(0, 0), 1.5F, 1e-6);
+  EXPECT_NEAR(inbox.ranges(1).depth.image->at(0, 0), 1.756F, 1e-6);
+  EXPECT_EQ(inbox.ranges(2).scan.in_B->origin.z(), 0.4);
 }
 
 TEST(DdsSensors, ImagesDepthsAndScansGoIntoTheInbox) {

@@ -8,6 +8,8 @@
 #include <ctime>
 #include <stdexcept>
 #include <string>
+#include <variant>
+#include <vector>
 
 #include "adapters/missions/config/configuration.h"
 #include "adapters/missions/run/exploration_run.h"
@@ -38,6 +40,13 @@ SimulatorOptions perfect() {
   options.odometry.perfect = true;
   return options;
 }
+
+struct ScansOfSimulator final : FrameSink {
+  void observe(const SensorFrame& frame) override {
+    if (const auto* scan = std::get_if<ScanFrame>(&frame)) scans.push_back(*scan);
+  }
+  std::vector<ScanFrame> scans;
+};
 
 // Turns to a point and drives there, steered by the truth.
 void go_to(Simulator& simulator, double x, double y) {
@@ -143,6 +152,47 @@ TEST(Simulator, TheBodyStandsAtItsBaseHeight) {
   EXPECT_THROW(Simulator(office_like(), options), std::invalid_argument);
   options.base_height = std::nan("");
   EXPECT_THROW(Simulator(office_like(), options), std::invalid_argument);
+}
+
+// Two cameras, and two lidars at two places: all of them map, each from where it is.
+TEST(Simulator, SeesWithAllOfItsDepthSensors) {
+  const auto known = [](const SimulatorOptions& options) {
+    Simulator simulator(office_like(), options);
+    simulator.apply(twist(0.2, 0.0), 1.0);
+    const auto ground = simulator.sense()->ground;
+    return ground->free_cells() + ground->occupied_cells();
+  };
+  const SimulatorOptions front = perfect();
+  SimulatorOptions both = front;
+  both.more_depth = {
+      {front.depth.footprint, {CameraMount::forward_facing({0.0, 0.0, 0.45}, M_PI)}}};
+  EXPECT_GT(known(both), 1.2 * known(front));
+  SimulatorOptions lidar = front;
+  lidar.depth.footprint = {2.0 * M_PI, 0.0, 0.1, 4.0};
+  set_resolution(lidar.depth);
+  lidar.depth_mount.T_BC = CameraMount::forward_facing({0.15, 0.0, 0.3});
+  SimulatorOptions lidars = lidar;
+  lidars.more_depth = {
+      {{2.0 * M_PI, 0.0, 0.1, 2.0}, {CameraMount::forward_facing({-0.15, 0.1, 0.45})}}};
+  EXPECT_GE(known(lidars), known(lidar));
+  // What a short one does not meet is not cleared beyond its reach.
+  std::swap(lidars.depth.footprint, lidars.more_depth[0].footprint);
+  std::swap(lidars.depth_mount, lidars.more_depth[0].mount);
+  EXPECT_NEAR(known(lidars), known(lidar), 0.1 * known(lidar));
+  // The one sensor of a robot has the noise that it has without others.
+  Simulator one(office_like(), front), two(office_like(), both);
+  ScansOfSimulator kept;
+  for (Simulator* simulator : {&one, &two}) {
+    simulator->deliver_to(&kept);
+    simulator->apply(twist(0.0, 0.0), 0.25);
+    simulator->deliver_to(nullptr);
+  }
+  const std::vector<ScanFrame>& scans = kept.scans;
+  ASSERT_EQ(scans.size(), 3u);
+  EXPECT_EQ(scans[0].in_B->hits, scans[1].in_B->hits);
+  EXPECT_EQ(scans[1].sensor, 0);
+  EXPECT_EQ(scans[2].sensor, 1);
+  EXPECT_EQ(scans[2].stamp, scans[1].stamp);
 }
 
 TEST(Simulator, MapWithPerfectOdometryIsTheTruth) {
