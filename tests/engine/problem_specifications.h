@@ -85,10 +85,9 @@ inline std::vector<NamedSpecification> specifications_of_every_kind() {
       "hull", [](auto&) {}, 120, Localization::kOk,
       ConvexShape{{{0.2, 0, 0.15}, {-0.2, 0.15, 0.15}, {-0.2, -0.15, 0.15}, {0, 0, 0.5}}});
   with(
-      "three depth sensors", [](auto&) {}, 120, Localization::kOk, CylinderShape{},
-      std::vector<DepthSensor>{
-          {RgbdFootprint{}, {CameraMount::forward_facing({-0.1, 0.0, 0.45}, M_PI)}},
-          {RgbdFootprint{2.0 * M_PI, 0.0, 0.1, 6.0}, {CameraMount::forward_facing({0, 0, 0.3})}}});
+      "two depth sensors", [](auto&) {}, 120, Localization::kOk, CylinderShape{},
+      std::vector<DepthSensor>{{RgbdFootprint{2.0 * M_PI, 0.0, 0.1, 6.0},
+                                {CameraMount::forward_facing({-0.1, 0.0, 0.3}, M_PI)}}});
   return all;
 }
 
