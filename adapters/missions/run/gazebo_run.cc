@@ -18,7 +18,7 @@ namespace {
 ExplorationRunResult step_gazebo(Configuration c, const GazeboMeasure& measure,
                                  const std::optional<ReachableArea>& reachable,
                                  const ExplorationRunOptions& options) {
-  SteppedGazebo gazebo(c.gazebo, options.seed);
+  SteppedGazebo gazebo(c.gazebo);
   set_cameras(c, gazebo_robot(c.robot), "Gazebo's cameras");
   check_drives(c);
   Pose start = gazebo.start();
@@ -50,6 +50,7 @@ ExplorationRunResult explore_gazebo(const Configuration& given,
                                     const ExplorationRunOptions& options) {
   check_drives(given);
   Configuration c = given;
+  c.gazebo.seed = options.seed;
   std::optional<ReachableArea> reachable;
   const GazeboMeasure measure{measured, c.simulator.depth, [&](const World& from_its_start) {
                                 reachable = told_area(reachable_area(from_its_start, given), given);

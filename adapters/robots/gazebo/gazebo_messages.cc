@@ -1,8 +1,28 @@
 #include "adapters/robots/gazebo/gazebo_messages.h"
 
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
 #include "adapters/formats/files/not_built_in.h"
+#include "adapters/robots/simulator/pixel_noise.h"
 
 namespace prospect {
+
+void GazeboImageNoise::add(GazeboPair& pair) const {
+  if (!(sigma > 0.0)) return;
+  const auto frame = static_cast<std::uint64_t>(std::llround(1e9 * pair.stamp));
+  std::uint64_t camera = 0;
+  for (Image* const image : {&pair.images.left, &pair.images.right}) {
+    const PixelNoise noise(seed, frame, camera++);
+    std::uint32_t number = 0;
+    for (std::uint8_t& pixel : image->pixels) {
+      const float noisy =
+          static_cast<float>(pixel) + static_cast<float>(sigma) * noise.gaussian(number++);
+      pixel = static_cast<std::uint8_t>(std::clamp(noisy, 0.0f, 255.0f) + 0.5f);
+    }
+  }
+}
 
 const GazeboPoses::Named* GazeboPoses::find(std::string_view name) const {
   const Named* found = nullptr;
@@ -16,10 +36,7 @@ const GazeboPoses::Named* GazeboPoses::find(std::string_view name) const {
 
 #ifdef PROSPECT_WITH_PROTOBUF
 
-#include <algorithm>
 #include <bit>
-#include <cmath>
-#include <cstdint>
 #include <cstring>
 #include <stdexcept>
 

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -38,6 +39,16 @@ struct GazeboPair {
   ImagePair images;
 };
 GazeboPair read_gazebo_pair(std::string_view message);
+
+/// Noise of the pixels: Gaussian, added to the grey levels, rounded and cut at 0 and 255; a
+/// function of the seed, the stamp, the camera and the pixel (PixelNoise). Without it the images of
+/// a robot that stands are one image that came twice. Gazebo's own rests on no seed.
+struct GazeboImageNoise {
+  double sigma = 0.0;  ///< [grey levels] one standard deviation
+  std::uint64_t seed = 1;
+
+  void add(GazeboPair& pair) const;
+};
 
 /// gazebo.msgs.ImageStamped of a depth camera: 32-bit floats [m] along the optical axis. What lies
 /// outside `range` becomes invalid.

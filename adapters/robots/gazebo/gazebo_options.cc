@@ -23,6 +23,10 @@ void check(const GazeboOptions& options) {
                       "; expected a number > 0");
     }
   };
+  if (!(std::isfinite(options.image_noise) && options.image_noise >= 0.0)) {
+    lines.push_back("gazebo.image_noise: " + std::to_string(options.image_noise) +
+                    "; expected a number >= 0");
+  }
   const auto named = [&](const char* name, const std::string& value) {
     if (value.empty()) lines.push_back("gazebo." + std::string(name) + ": empty; expected a name");
   };

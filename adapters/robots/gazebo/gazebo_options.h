@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 #include "adapters/robots/gazebo/gazebo_node.h"
@@ -21,6 +22,7 @@ struct GazeboOptions {
   std::string left_wheel = "left_wheel";    ///< link
   std::string right_wheel = "right_wheel";  ///< link
   int depth_width = 320;                    ///< [px]; the height follows from the field of view
+  double image_noise = 1.5;                 ///< [grey levels]: GazeboImageNoise
   double wheel_radius = 0.08;               ///< [m]
   double wheel_separation = 0.32;           ///< [m] between the wheels' middles
   /// The plug-in turns to the right for a positive yaw rate, as it came with version 11.
@@ -30,6 +32,7 @@ struct GazeboOptions {
   /// [s] > 0 of the machine without an answer after which a world that is stepped is lost.
   double silence = 60.0;
   DepthRange depth_range = {0.2, 10.0};  ///< [m] outside of which a depth image says nothing
+  std::uint64_t seed = 1;  ///< of the noise; of the physics of a world that is stepped
 };
 
 /// The knobs (models/knobs.h): numbers and switches. Names are texts.

@@ -75,7 +75,6 @@ std::string gazebo_robot_model(const RobotDescription& robot, const GazeboRobotO
   };
   positive("image_rate", options.image_rate);
   positive("depth_rate", options.depth_rate);
-  positive("image_noise", options.image_noise);
   positive("depth_width", names.depth_width);
   if (!start.position.allFinite() || !std::isfinite(start.yaw)) {
     refuse_robot("a start that is not finite");
@@ -111,12 +110,8 @@ std::string gazebo_robot_model(const RobotDescription& robot, const GazeboRobotO
          << near << "</near><far>" << far << "</far></clip>";
     return text.str();
   };
-  std::ostringstream noise = number_stream();
-  noise << "<noise><type>gaussian</type><mean>0</mean><stddev>" << options.image_noise
-        << "</stddev></noise>";
   const std::string image =
-      camera(2.0 * std::atan(0.5 * left.width / left.fx), left.width, left.height, 0.05, 60.0) +
-      noise.str();
+      camera(2.0 * std::atan(0.5 * left.width / left.fx), left.width, left.height, 0.05, 60.0);
   out << "<sensor name=\"" << names.stereo << "\" type=\"multicamera\"><always_on>1</always_on>"
       << "<update_rate>" << options.image_rate << "</update_rate><pose>"
       << sensor_pose(robot.stereo_mount.T_BC) << "</pose>\n<camera name=\"left\"><pose>0 0 0 0 0 0"

@@ -13,14 +13,12 @@ struct GazeboRobotOptions {
   GazeboOptions names;       ///< and what the wheels are
   double image_rate = 15.0;  ///< [Hz] of stereo pairs
   double depth_rate = 10.0;  ///< [Hz]
-  /// Of the stereo pair, one standard deviation [share of the brightest]. Not zero: to the odometry
-  /// two images with the same bytes are one image that came twice.
-  double image_noise = 0.006;
 };
 
 /// The robot as a <model> of SDF 1.5 or newer: a differential drive with DiffDrivePlugin, whose
 /// link `base` is the body frame B; a multicamera of the stereo pair, a depth camera, two wheels,
-/// two casters without friction. It stands at start, with z [m] the height of the floor in the
+/// two casters without friction. Its cameras have no noise, which Gazebo would draw from no seed
+/// (GazeboImageNoise). It stands at start, with z [m] the height of the floor in the
 /// world. It cannot be seen, so that its cameras do not see it.
 ///
 /// Errors: std::invalid_argument on options out of range, a body that is neither a cylinder nor a

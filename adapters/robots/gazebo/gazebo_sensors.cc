@@ -13,8 +13,10 @@ struct GazeboSensors::Impl {
     const std::string prefix = options.model + "/" + options.link + "/";
     receiver.subscribe(
         prefix + options.stereo + "/images", "gazebo.msgs.ImagesStamped",
-        [&frames, &clock](std::string_view message) {
+        [&frames, &clock,
+         noise = GazeboImageNoise{options.image_noise, options.seed}](std::string_view message) {
           GazeboPair pair = read_gazebo_pair(message);
+          noise.add(pair);
           clock.tick(pair.stamp);
           frames.observe(StereoFrame{pair.stamp, pair.stamp,
                                      std::make_shared<const Image>(std::move(pair.images.left)),

@@ -28,8 +28,9 @@ namespace msgs = gazebo::msgs;
 constexpr double kPoll = 0.001;      // [s]
 constexpr double kPoseEvery = 0.02;  // [s] of the machine; Gazebo's own limit is 1/60
 constexpr double kPosePatience = 0.05;
-constexpr double kAskAgain = 0.5;   // [s] of the machine
-constexpr double kWarmUp = 1.0;     // [s] of the simulation
+constexpr double kAskAgain = 0.5;  // [s] of the machine
+constexpr double kWarmUp = 1.0;    // [s] of the simulation
+constexpr double kHeard = 5.0;  // [s] of the machine in which a publisher has heard of who listens
 constexpr double kRounding = 1e-6;  // of a step
 
 double time_of(const msgs::Time& time) { return time.sec() + 1e-9 * time.nsec(); }
@@ -50,10 +51,16 @@ struct SteppedCamera {
   std::int64_t received = 0, taken = 0;
   std::deque<SensorFrame> waiting;
 
-  std::int64_t due(std::int64_t frame, double step) const {
+  /// The first step at or after its time.
+  std::int64_t instant(std::int64_t frame, double step) const {
     return static_cast<std::int64_t>(
-               std::ceil(static_cast<double>(frame) / (rate * step) - kRounding)) +
-           1;
+        std::ceil(static_cast<double>(frame) / (rate * step) - kRounding));
+  }
+  std::int64_t due(std::int64_t frame, double step) const { return instant(frame, step) + 1; }
+  /// [s] from the instant that its first frame fixes to the stamp.
+  double off(std::int64_t frame, double stamp, double step) const {
+    const double first = static_cast<double>(instant(1, step)) * step;
+    return stamp - first - static_cast<double>(frame - 1) / rate;
   }
   std::int64_t next_due(double step) const { return due(taken + 1, step); }
 };
@@ -61,8 +68,7 @@ struct SteppedCamera {
 }  // namespace
 
 struct SteppedGazebo::Impl {
-  Impl(const GazeboOptions& given, std::uint64_t its_seed)
-      : options(given), seed(its_seed), node(given.address), encoder(given) {
+  explicit Impl(const GazeboOptions& given) : options(given), node(given.address), encoder(given) {
     world = gazebo_world_name(options, node);
     stereo.what = options.stereo;
     depth.what = options.depth;
@@ -77,20 +83,30 @@ struct SteppedGazebo::Impl {
     warm_up();
   }
 
-  /// Stands until the cameras surely have heard of who listens. What they show until then is left.
+  /// Stands where each camera takes its first frame, until it has: it takes it at whichever of its
+  /// instants it looks first, and all others by that one. Then until they surely have heard of who
+  /// listens. What they show until then is left.
   void warm_up() {
     const auto end = static_cast<std::int64_t>(std::llround(kWarmUp / step));
     node.publish(of_robot("vel_cmd"), gazebo_velocity({}, options.turned_yaw));
     ask("physics_info", "");
-    for (SteppedCamera* camera : cameras()) {
+    const auto going_on = [&](bool goes_on) {
+      if (!goes_on) throw InputError("gazebo: " + fault + "; expected a world that goes on");
+    };
+    std::vector<SteppedCamera*> by_instant = cameras();
+    for (SteppedCamera* camera : by_instant) {
       while (camera->next_due(step) <= end) ++camera->taken;
-      camera->received = camera->taken;
+    }
+    std::sort(by_instant.begin(), by_instant.end(),
+              [](const auto* a, const auto* b) { return a->rate > b->rate; });
+    for (const SteppedCamera* camera : by_instant) {
+      if (camera->instant(1, step) > steps) going_on(go_to(camera->instant(1, step)));
+      going_on(wait("frame of '" + camera->what + "'", [&] { return camera->received > 0; }));
     }
     const Told nobody{[](const SensorFrame&) {}};
     while (steps < end) {
       const std::int64_t next = steps + std::max<std::int64_t>(1, std::llround(0.06 / step));
-      if (!burst(std::min(end, next), nobody))
-        throw InputError("gazebo: " + fault + "; expected a world that goes on");
+      going_on(burst(std::min(end, next), nobody));
     }
   }
 
@@ -102,6 +118,11 @@ struct SteppedGazebo::Impl {
   bool wait(const std::string& what, const std::function<bool()>& done) {
     const double end = machine.now() + options.silence;
     while (!done()) {
+      if (!refused.empty()) {
+        fault =
+            refused + "; expected a server that waits for its sensors (--lockstep), started anew";
+        return false;
+      }
       if (!node.connected()) {
         fault = node.faults().empty() ? "a connection has closed" : node.faults().back();
         return false;
@@ -223,6 +244,7 @@ struct SteppedGazebo::Impl {
     });
     node.subscribe(all[2], "gazebo.msgs.ImagesStamped", [this](std::string_view bytes) {
       GazeboPair pair = read_gazebo_pair(bytes);
+      GazeboImageNoise{options.image_noise, options.seed}.add(pair);
       take(stereo,
            StereoFrame{pair.stamp, pair.stamp,
                        std::make_shared<const Image>(std::move(pair.images.left)),
@@ -249,9 +271,14 @@ struct SteppedGazebo::Impl {
   }
 
   void take(SteppedCamera& camera, SensorFrame frame, double stamp) {
-    const auto number = static_cast<std::int64_t>(std::floor(stamp * camera.rate + kRounding));
-    if (number <= camera.received) return;  // of the warm-up
+    const auto number =
+        static_cast<std::int64_t>(std::floor((stamp + 0.5 * step) * camera.rate + kRounding));
+    if (std::abs(camera.off(number, stamp, step)) > 0.6 * step) {
+      refused = "a frame of '" + camera.what + formatted("' at %.3f s", stamp);
+    }
+    if (number <= camera.received) return;
     camera.received = number;
+    if (number <= camera.taken) return;  // of the warm-up
     camera.waiting.push_back(std::move(frame));
   }
 
@@ -260,7 +287,7 @@ struct SteppedGazebo::Impl {
   bool go_to(std::int64_t count) {
     msgs::WorldControl control;
     control.set_multi_step(static_cast<std::uint32_t>(count - steps));
-    if (steps == 0) control.set_seed(static_cast<std::uint32_t>(seed));
+    if (steps == 0) control.set_seed(static_cast<std::uint32_t>(options.seed));
     publish("world_control", control);
     steps = count;
     return wait(formatted("step to %.3f s", at(count)),
@@ -318,11 +345,11 @@ struct SteppedGazebo::Impl {
   }
 
   GazeboOptions options;
-  std::uint64_t seed;
   SteadyClock machine;
   GazeboNode node;
   WheelEncoder encoder;
   std::string world, fault;
+  std::string refused;                           // a frame that cannot be
   std::optional<std::pair<double, bool>> begun;  // [s], and whether it stood
   Pose start;
   double step = 0.0;  // [s]
@@ -334,9 +361,9 @@ struct SteppedGazebo::Impl {
   std::optional<msgs::Response> response;
 };
 
-SteppedGazebo::SteppedGazebo(const GazeboOptions& options, std::uint64_t seed) {
+SteppedGazebo::SteppedGazebo(const GazeboOptions& options) {
   check(options);
-  impl_ = std::make_unique<Impl>(options, seed);
+  impl_ = std::make_unique<Impl>(options);
 }
 SteppedGazebo::~SteppedGazebo() = default;
 
@@ -363,7 +390,7 @@ struct SteppedGazebo::Impl {
   std::string none;
   Pose start;
 };
-SteppedGazebo::SteppedGazebo(const GazeboOptions&, std::uint64_t) {
+SteppedGazebo::SteppedGazebo(const GazeboOptions&) {
   throw NotBuiltIn("the transport of Gazebo", "libprotobuf-dev and protobuf-compiler");
 }
 SteppedGazebo::~SteppedGazebo() = default;

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
@@ -12,13 +11,16 @@
 namespace prospect {
 
 /// The world of a Gazebo that stands, and goes on by as many steps of its physics as it is told.
-/// Poses, wheels, and which frames come when rest on the world and the calls alone, to the bit, and
-/// not on how fast anybody is. Pixels do not: they differ from run to run, also with the same seed
-/// (docs/results/gazebo.md).
+/// Poses, wheels, which frames come when, and their pixels rest on the world, the seed and the
+/// calls alone, to the bit, and not on how fast anybody is; if its cameras have no noise of
+/// Gazebo's.
 ///
-/// Stamps. With h the step and f the rate of a camera, its k-th frame is stamped within
-/// [k / f, k / f + h], by the rounding of Gazebo. It is due from the step ceil(k / (f h)) + 1 on,
-/// and handed on then: whether it came before does not matter, and it is waited for if it did not.
+/// Stamps. With h the step and f the rate of a camera, it takes its first frame at the first of the
+/// times k / f + [0, h) at which it looks, and each other 1 / f after the one before. Whether it
+/// looks at 1 / f rests on how fast it is, so the world stands at the first step t of there, until
+/// it has. Then the k-th frame is that of the step next to t + (k - 1) / f; another is a fault. It
+/// is due from the step ceil(k / (f h)) + 1 on, and handed on then: whether it came before does not
+/// matter, and it is waited for if it did not.
 ///
 /// Poses are the wheels' and the truth's: at each pair and at the end of a command. Gazebo tells at
 /// most 60 a second of the machine, whatever the world does. So the last step to there is made by
@@ -42,7 +44,7 @@ class SteppedGazebo {
     std::function<void(double stamp, const Pose&)> pose{};  ///< that is true of the model
   };
 
-  SteppedGazebo(const GazeboOptions& options, std::uint64_t seed);
+  explicit SteppedGazebo(const GazeboOptions& options);
   ~SteppedGazebo();
   SteppedGazebo(const SteppedGazebo&) = delete;
   SteppedGazebo& operator=(const SteppedGazebo&) = delete;

@@ -557,10 +557,10 @@ TEST(KnobMembers, EveryNumberAndSwitchOfDrivingIsAKnob) {
   {
     GazeboOptions o;
     [[maybe_unused]] auto& [address, world, model, link, stereo, depth, left_wheel, right_wheel,
-                            depth_width, wheel_radius, wheel_separation, turned_yaw, dead_man,
-                            period, silence, depth_range] = o;
-    EXPECT_KNOBS(o, address.port, address.timeout, depth_width, wheel_radius, wheel_separation,
-                 turned_yaw, dead_man, period, silence);
+                            depth_width, image_noise, wheel_radius, wheel_separation, turned_yaw,
+                            dead_man, period, silence, depth_range, seed] = o;
+    EXPECT_KNOBS(o, address.port, address.timeout, depth_width, image_noise, wheel_radius,
+                 wheel_separation, turned_yaw, dead_man, period, silence);
   }
 }
 

@@ -3,7 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 #include <limits>
 #include <numbers>
@@ -45,6 +47,32 @@ TEST(GazeboMessages, ColoursBecomeGreyByTheirWeights) {
   EXPECT_THAT(read_gazebo_pair(pair_of(1, "\x05\x63")).images.left.pixels, ElementsAre(5, 99));
   const std::string white(8, '\xff');
   EXPECT_THAT(read_gazebo_pair(pair_of(4, white)).images.left.pixels, ElementsAre(255, 255));
+}
+
+// Drawn here, from the seed, the stamp and the camera: what Gazebo draws rests on no seed.
+TEST(GazeboMessages, NoiseIsThatOfSeedStampAndCamera) {
+  const auto noisy = [](double sigma, std::uint64_t seed, double stamp) {
+    GazeboPair pair{stamp, {Image(64, 64), Image(64, 64)}};
+    for (Image* const image : {&pair.images.left, &pair.images.right}) {
+      std::fill(image->pixels.begin(), image->pixels.end(), std::uint8_t{100});
+    }
+    GazeboImageNoise{sigma, seed}.add(pair);
+    return pair.images;
+  };
+  const ImagePair one = noisy(1.5, 1, 7.002);
+  EXPECT_EQ(one.left.pixels, noisy(1.5, 1, 7.002).left.pixels);
+  EXPECT_NE(one.left.pixels, one.right.pixels);
+  EXPECT_NE(one.left.pixels, noisy(1.5, 2, 7.002).left.pixels);
+  EXPECT_NE(one.left.pixels, noisy(1.5, 1, 7.004).left.pixels);
+  double sum = 0.0, squares = 0.0;
+  for (const std::uint8_t pixel : one.left.pixels) {
+    sum += pixel - 100.0, squares += (pixel - 100.0) * (pixel - 100.0);
+  }
+  const auto n = static_cast<double>(one.left.pixels.size());
+  EXPECT_NEAR(sum / n, 0.0, 0.1);
+  EXPECT_NEAR(std::sqrt(squares / n), 1.5, 0.1);
+  for (const std::uint8_t pixel : noisy(0.0, 1, 7.0).left.pixels) EXPECT_EQ(pixel, 100);
+  for (const std::uint8_t pixel : noisy(50.0, 1, 7.0).left.pixels) EXPECT_LT(pixel, 100 + 3.6 * 50);
 }
 
 TEST(GazeboMessages, ImagesThatDoNotFitAreRefused) {

@@ -91,20 +91,6 @@ TEST(GazeboWorldFile, NamesWhatTheAdapterLooksFor) {
   EXPECT_THAT(e.file("box_0.png"), HasSubstr("PNG"));
 }
 
-TEST(GazeboWorldFile, ImagesOfARobotThatStandsDiffer) {
-  GazeboWorldOptions options;
-  options.robot.image_noise = 0.0;
-  const Exported e;
-  EXPECT_THROW(gazebo_world_files(e.world, e.mesh, robot(), options, "box"), std::invalid_argument);
-  const std::string& sdf = e.file("box.sdf");
-  for (const char* camera : {"<camera name=\"left\">", "<camera name=\"right\">"}) {
-    const std::size_t at = sdf.find(camera);
-    ASSERT_NE(at, std::string::npos) << camera;
-    EXPECT_THAT(sdf.substr(at, sdf.find("</camera>", at) - at),
-                HasSubstr("<noise><type>gaussian</type><mean>0</mean><stddev>0.006</stddev>"));
-  }
-}
-
 TEST(GazeboWorldFile, ACameraLooksWhereItsMountSays) {
   RobotDescription tilted = robot();
   tilted.stereo_mount.T_BC = CameraMount::forward_facing({0.1, 0.06, 0.3}, 0.5, 0.2);

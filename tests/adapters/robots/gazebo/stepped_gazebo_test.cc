@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -30,8 +31,9 @@ using Steady = std::chrono::steady_clock;
 
 const std::string kTopics = "/gazebo/room/";
 
-/// A world that stands and is stepped, of Gazebo's habits: a camera's frame comes when it is
-/// rendered, poses at most 60 times a second of the machine.
+/// A world that stands and is stepped, of Gazebo's habits: a camera takes its first frame where it
+/// looks first at one of its instants, the others a period after each other from there on; a frame
+/// comes when it is rendered, poses at most 60 times a second of the machine.
 struct SteppedRoom {
   static constexpr double kStep = 0.002;
   // What it is.
@@ -41,11 +43,13 @@ struct SteppedRoom {
   double begins = 0.0;        // [s]
   std::int64_t omitted = -1;  // stereo frame that never comes
   std::chrono::milliseconds rendering{0};
-  bool tells_poses = true;  // by itself
-  double silence = 5.0;     // [s] that it may take
+  bool looks_at_each_step = true;  // until the first frame, or where the world stands
+  bool tells_poses = true;         // by itself
+  double silence = 5.0;            // [s] that it may take
 
   std::atomic<std::int64_t> steps{0};
   std::mutex mutex;
+  std::array<double, 2> next = {NAN, NAN};              // [s] frame of stereo, of depth
   double speed = 0.0, angle = 0.0;                      // in force; of the wheels
   std::vector<std::pair<std::int64_t, double>> driven;  // from which step on which speed
   Steady::time_point told{};
@@ -84,7 +88,9 @@ struct SteppedRoom {
     if (topic == "world_control") {
       msgs::WorldControl control;
       control.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()));
-      for (unsigned n = 0; n < control.multi_step(); ++n) step(out);
+      for (unsigned n = 1; n <= control.multi_step(); ++n) {
+        step(out, looks_at_each_step || n == control.multi_step());
+      }
     }
     return out;
   }
@@ -140,7 +146,15 @@ struct SteppedRoom {
     image->set_data(data);
   }
 
-  void step(FakeGazebo::Answers& out) {
+  /// Whether a camera takes a frame now.
+  bool takes(double& frame, double rate, double now, bool looks) const {
+    if (std::isnan(frame) && looks && std::fmod(now, 1.0 / rate) < kStep - 1e-9) frame = now;
+    if (!(now >= frame - 0.5 * kStep - 1e-9)) return false;
+    frame += 1.0 / rate;
+    return true;
+  }
+
+  void step(FakeGazebo::Answers& out, bool looks) {
     if (driven.empty() || driven.back().second != speed) driven.emplace_back(steps, speed);
     ++steps;
     angle += speed * kStep / GazeboOptions().wheel_radius;
@@ -159,19 +173,14 @@ struct SteppedRoom {
       }
       out.emplace_back(kTopics + "pose/info", poses.SerializeAsString());
     }
-    const auto due = [&](double rate, double late) {
-      return std::floor((now - late) * rate + 1e-6) >
-             std::floor((now - kStep - late) * rate + 1e-6);
-    };
-    // As Gazebo does, one camera is a step late now and then.
-    if (due(15.0, steps > 100 ? kStep : 0.0) && std::floor(now * 15.0 + 1e-6) != omitted) {
+    if (takes(next[0], 15.0, now, looks) && std::floor(now * 15.0 + 1e-6) != omitted) {
       msgs::ImagesStamped pair;
       FakeGazebo::stamp(pair, now);
       picture(pair.add_image(), "l");
       picture(pair.add_image(), "r");
       render(out, "robot/base/stereo/images", pair.SerializeAsString());
     }
-    if (due(10.0, 0.0)) {
+    if (takes(next[1], 10.0, now, looks)) {
       const float metres = 1.0f;
       msgs::ImageStamped depth;
       FakeGazebo::stamp(depth, now);
@@ -208,7 +217,7 @@ struct Told {
 
 Told drive(SteppedRoom& room) {
   Told all;
-  SteppedGazebo gazebo(room.options(), 1);
+  SteppedGazebo gazebo(room.options());
   const auto line = [&](const char* what, double stamp, double value) {
     char text[80];
     std::snprintf(text, sizeof text, "%s %.17g %.17g at %.3f", what, stamp, value, gazebo.time());
@@ -236,6 +245,7 @@ Told drive(SteppedRoom& room) {
 TEST(SteppedGazebo, TellsTheSameHoweverBusyTheMachineIs) {
   SteppedRoom fast, slow;
   slow.rendering = std::chrono::milliseconds(40);
+  slow.looks_at_each_step = false;
   slow.tells_poses = false;
   const Told one = drive(fast), other = drive(slow);
   EXPECT_EQ(one.fault, "");
@@ -257,7 +267,7 @@ TEST(SteppedGazebo, TellsTheSameHoweverBusyTheMachineIs) {
 
 TEST(SteppedGazebo, AServerThatEndsIsAFault) {
   SteppedRoom room;
-  SteppedGazebo gazebo(room.options(), 1);
+  SteppedGazebo gazebo(room.options());
   const SteppedGazebo::Told told{[](const SensorFrame&) {}};
   gazebo.advance({}, 1.1, told);
   EXPECT_EQ(gazebo.fault(), "");
@@ -281,7 +291,7 @@ TEST(SteppedGazebo, RefusesWhatCannotBeStepped) {
     SteppedRoom room;
     change(room);
     try {
-      SteppedGazebo(room.options(), 1);
+      SteppedGazebo(room.options());
     } catch (const InputError& error) {
       return error.what();
     }
