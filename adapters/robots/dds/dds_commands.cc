@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 #include "adapters/formats/datasets/transform_tree.h"
 #include "adapters/formats/files/input_error.h"
@@ -23,20 +22,13 @@ std::string told(DriveRequests& requests, const std::string& word) {
 
 }  // namespace
 
-DdsGoal goal_in_map(const ros::PoseStamped& pose, const DdsOptions::Frames& frames,
-                    const DdsTransforms& transforms, const std::string& name) {
+ros::FloorGoal goal_in_map(const ros::PoseStamped& pose, const DdsOptions::Frames& frames,
+                           const DdsTransforms& transforms, const std::string& name) {
   const std::string frame = without_slash(pose.header.frame_id);
   if (frame.empty()) {
     throw InputError(name + ": a goal without a frame; expected one in '" + frames.map + "'");
   }
-  const ros::Point& p = pose.pose.position;
-  const ros::Quaternion& q = pose.pose.orientation;
-  const Eigen::Quaterniond rotation(q.w, q.x, q.y, q.z);
-  Eigen::Vector3d at(p.x, p.y, p.z);
-  if (!at.allFinite() || !(std::abs(rotation.norm() - 1.0) < 0.01)) {
-    throw InputError(name + ": no pose; expected finite numbers and a unit quaternion");
-  }
-  Eigen::Vector3d ahead = rotation.normalized() * Eigen::Vector3d::UnitX();
+  Eigen::Isometry3d goal = ros::goal_transform(pose.pose, name);
   if (frame != frames.map) {
     const double stamp = ros::seconds(pose.header.stamp);
     const auto T = stamp == 0.0 ? transforms.newest(frames.map, frame)
@@ -46,13 +38,9 @@ DdsGoal goal_in_map(const ros::PoseStamped& pose, const DdsOptions::Frames& fram
                        "', which tf does not connect with '" + frames.map +
                        "' at its stamp; expected one that it does");
     }
-    at = *T * at;
-    ahead = T->linear() * ahead;
+    goal = *T * goal;
   }
-  if (ahead.head<2>().norm() < 0.1) {
-    throw InputError(name + ": a goal that looks up or down; expected a heading on the floor");
-  }
-  return {at.head<2>(), std::atan2(ahead.y(), ahead.x())};
+  return ros::floor_goal(goal, name);
 }
 
 DdsCommands::DdsCommands(const DdsOptions& options, DdsNode& node, const DdsTransforms& transforms,
@@ -63,7 +51,7 @@ DdsCommands::DdsCommands(const DdsOptions& options, DdsNode& node, const DdsTran
     node.subscribe<ros::PoseStamped>(
         name, kReliableQos, [&requests, &transforms, frames, name](const ros::PoseStamped& m) {
           try {
-            const DdsGoal goal = goal_in_map(m, frames, transforms, name);
+            const ros::FloorGoal goal = goal_in_map(m, frames, transforms, name);
             const std::string refused = DriveCommands(requests).go(goal.place, goal.yaw);
             if (!refused.empty()) requests.refuse(name + ": " + refused);
           } catch (const InputError& error) {

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "adapters/formats/ros/geometry_msgs.h"
+#include "adapters/formats/ros/goal_pose.h"
 #include "adapters/robots/dds/dds_node.h"
 #include "adapters/robots/dds/dds_options.h"
 #include "adapters/robots/dds/dds_transforms.h"
@@ -12,14 +13,10 @@
 namespace prospect {
 
 /// A goal in frames.map, which is W, by the transforms at its stamp; with a stamp of zero by the
-/// newest. Its heading is that of the pose's x axis. Throws InputError, one line, for one that
-/// cannot be: of a frame that tf does not connect, not finite, without a rotation, or upright.
-struct DdsGoal {
-  Eigen::Vector2d place;  ///< [m]
-  double yaw = 0.0;       ///< [rad]
-};
-DdsGoal goal_in_map(const ros::PoseStamped& pose, const DdsOptions::Frames& frames,
-                    const DdsTransforms& transforms, const std::string& name);
+/// newest. Throws InputError, one line, for one that cannot be: of a frame that tf does not
+/// connect, not finite, without a rotation, or upright.
+ros::FloorGoal goal_in_map(const ros::PoseStamped& pose, const DdsOptions::Frames& frames,
+                           const DdsTransforms& transforms, const std::string& name);
 
 /// What people tell the robot by topics and services of ROS 2:
 ///

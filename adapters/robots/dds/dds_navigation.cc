@@ -45,7 +45,7 @@ struct DdsNavigation::Impl {
 
   bool take(const ros::NavigateToPoseSendGoalRequest& request, ros::Time& stamp) {
     const std::string& name = options.action;
-    DdsGoal goal;
+    ros::FloorGoal goal;
     try {
       goal = goal_in_map(request.goal.pose, options.frames, transforms, name);
     } catch (const InputError& error) {

@@ -13,6 +13,7 @@
 #include "adapters/formats/images/image_codec.h"
 #include "adapters/formats/ros/cdr.h"
 #include "adapters/formats/ros/geometry_msgs.h"
+#include "adapters/formats/ros/goal_pose.h"
 #include "adapters/missions/log/step_messages.h"
 #include "adapters/views/live/access.h"
 #include "adapters/views/live/foxglove_protocol.h"
@@ -21,6 +22,8 @@
 
 namespace prospect {
 namespace {
+
+using namespace nlohmann::literals;
 
 constexpr std::size_t kMostSubscriptions = 256;  // of a viewer, and channels that it publishes on
 constexpr std::size_t kMostAnswers = 100;        // that wait for one who does not read
@@ -190,12 +193,7 @@ class FoxgloveViewer final : public Viewer {
                                ": not advertised; expected advertise before"));
       return true;
     }
-    const std::optional<Goal> goal = goal_in(data.bytes, channel->second);
-    const std::string refused =
-        !goal ? "no pose; expected geometry_msgs/msg/PoseStamped in " + channel->second
-        : !goal->frame.empty() && goal->frame != kMapFrame
-            ? "a pose in the frame '" + goal->frame + "'; expected one in " + kMapFrame
-            : show_.commands.go(moved(goal->place, show_.map_origin));
+    const std::string refused = go(data.bytes, channel->second);
     if (!refused.empty()) say(foxglove::status(foxglove::Level::kError, "go: " + refused));
     return true;
   }
@@ -215,28 +213,52 @@ class FoxgloveViewer final : public Viewer {
     return true;
   }
 
-  struct Goal {
-    std::string frame;  ///< empty: it says none
-    Eigen::Vector2d place;
+  /// Goes where a message says. Empty, or why not.
+  std::string go(const std::string& bytes, const std::string& encoding) {
+    const std::optional<Sent> sent = sent_in(bytes, encoding);
+    if (!sent) return "no pose; expected geometry_msgs/msg/PoseStamped in " + encoding;
+    const std::string& frame = sent->pose.header.frame_id;
+    if (!frame.empty() && frame != kMapFrame) {
+      return "a pose in the frame '" + frame + "'; expected one in " + kMapFrame;
+    }
+    try {
+      const Eigen::Isometry3d T = ros::goal_transform(sent->pose.pose, "pose");
+      const ros::FloorGoal goal = ros::floor_goal(T, "pose");
+      const Pose& origin = show_.map_origin;
+      return show_.commands.go(moved(goal.place, origin),
+                               sent->heads ? std::optional(goal.yaw + origin.yaw) : std::nullopt);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+  }
+  struct Sent {
+    ros::PoseStamped pose;
+    bool heads = true;  ///< has an orientation
   };
-  static std::optional<Goal> goal_in(const std::string& bytes, const std::string& encoding) {
+  static std::optional<Sent> sent_in(const std::string& bytes, const std::string& encoding) {
     if (encoding == "cdr") {
       try {
-        const auto pose = ros::from_cdr<ros::PoseStamped>(bytes, "pose");
-        return Goal{pose.header.frame_id, {pose.pose.position.x, pose.pose.position.y}};
+        return Sent{ros::from_cdr<ros::PoseStamped>(bytes, "pose")};
       } catch (const InputError&) {
         return std::nullopt;
       }
     }
-    const nlohmann::json json = nlohmann::json::parse(bytes, nullptr, false);
-    const nlohmann::json::json_pointer x("/pose/position/x"), y("/pose/position/y"),
-        frame("/header/frame_id");
-    if (!json.is_object() || !json.contains(x) || !json.contains(y) || !json[x].is_number() ||
-        !json[y].is_number() || (json.contains(frame) && !json[frame].is_string())) {
+    try {
+      const nlohmann::json json = nlohmann::json::parse(bytes);
+      const nlohmann::json& position = json.at("pose").at("position");
+      Sent sent;
+      sent.pose.header.frame_id = json.value("/header/frame_id"_json_pointer, std::string());
+      sent.pose.pose.position = {position.at("x"), position.at("y"), 0.0};
+      const auto turned = json.at("pose").find("orientation");
+      sent.heads = turned != json.at("pose").end();
+      if (sent.heads) {
+        const nlohmann::json& q = *turned;
+        sent.pose.pose.orientation = {q.at("x"), q.at("y"), q.at("z"), q.at("w")};
+      }
+      return sent;
+    } catch (const nlohmann::json::exception&) {
       return std::nullopt;
     }
-    return Goal{json.contains(frame) ? json[frame].get<std::string>() : std::string(),
-                {json[x].get<double>(), json[y].get<double>()}};
   }
 
   FoxgloveShow::Impl& show_;

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -159,11 +160,35 @@ TEST_F(FoxgloveShowTest, APublishedPoseIsAPlaceToGoTo) {
   auto place = requests_.take_place();
   ASSERT_TRUE(place);
   EXPECT_EQ(place->position, Eigen::Vector2d(1.5, -2.0));
+  EXPECT_EQ(place->yaw, 0.0);
   ASSERT_TRUE(viewer->message(
       std::string("\1\4\0\0\0", 5) + R"({"pose":{"position":{"x":3,"y":4.5,"z":0}}})", false));
   place = requests_.take_place();
   ASSERT_TRUE(place);
   EXPECT_EQ(place->position, Eigen::Vector2d(3.0, 4.5));
+  EXPECT_FALSE(place->yaw) << "it says none";
+  // Heading to the left.
+  pose.pose.orientation = {0.0, 0.0, std::sqrt(0.5), std::sqrt(0.5)};
+  const auto in_json = [](const std::string& z, const std::string& w) {
+    return std::string("\1\4\0\0\0", 5) + R"({"pose":{"position":{"x":3,"y":4.5},"orientation":)" +
+           R"({"x":0,"y":0,"z":)" + z + ",\"w\":" + w + "}}}";
+  };
+  for (const std::string& message :
+       {std::string("\1\3\0\0\0", 5) + ros::to_cdr(pose), in_json("0.70710678", "0.70710678")}) {
+    ASSERT_TRUE(viewer->message(message, false));
+    place = requests_.take_place();
+    ASSERT_TRUE(place);
+    EXPECT_NEAR(place->yaw.value(), M_PI_2, 1e-6);
+  }
+  EXPECT_TRUE(told(*viewer).texts.empty());
+  pose.pose.orientation = {0.0, -std::sqrt(0.5), 0.0, std::sqrt(0.5)};  // up
+  for (const std::string& message : {std::string("\1\3\0\0\0", 5) + ros::to_cdr(pose),
+                                     in_json("1", "1"), in_json("0", "null")}) {
+    ASSERT_TRUE(viewer->message(message, false));
+    EXPECT_FALSE(requests_.take_place());
+    EXPECT_EQ(told(*viewer).texts.size(), 1U);
+  }
+  pose.pose.orientation = {};
   EXPECT_TRUE(told(*viewer).texts.empty());
   // In another frame it is another place.
   pose.header.frame_id = "map";
