@@ -19,10 +19,6 @@ constexpr int kExactChunks = 8;
 // evaluation. Methods ask for a point a few times over; one that goes round in circles never ends.
 constexpr int kMostIdle = 1000;
 
-double seconds_since(std::chrono::steady_clock::time_point begin) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-}
-
 }  // namespace
 
 Evaluator::Evaluator(const Problem& problem, const CommonOptions& options,
@@ -80,7 +76,8 @@ void Evaluator::run_beside(int count, const CommonOptions& options,
   const auto run = [&](int k) {
     const StopCondition stop(
         // What comes after one that threw is thrown away.
-        [&, k] { return threw < k ? StopRequest::kCancelled : asked(); }, stop_.latest());
+        [&, k] { return threw < k ? StopRequest::kCancelled : asked(); }, stop_.latest(),
+        stop_.clock());
     std::vector<Ahead> taken;
     std::unique_lock lock(mutex);
     taken.push_back(std::move(idle.back()));
@@ -258,7 +255,8 @@ void Evaluator::consider(const Eigen::Ref<const Eigen::VectorXd>& x, double cost
   incumbent_violation_ = violation;
   incumbent_constraints_ = constraints;
   if (options_.trace) {
-    trace_.push_back({seconds_since(begin_), counters_.cost_evaluations, cost, violation});
+    trace_.push_back(
+        {seconds_by(stop_.clock()) - begin_, counters_.cost_evaluations, cost, violation});
   }
 }
 
@@ -533,7 +531,7 @@ Result Evaluator::finish(StopReason reason, bool optimum, std::string detail, Wa
     }
   }
   if (!beside()) result.trace = std::move(trace_);  // adopt() needs it
-  result.wall_seconds = seconds_since(begin_);
+  result.seconds = seconds_by(stop_.clock()) - begin_;
   return result;
 }
 

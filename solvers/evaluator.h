@@ -2,7 +2,6 @@
 
 #include <Eigen/Core>
 #include <algorithm>
-#include <chrono>
 #include <exception>
 #include <functional>
 #include <memory>
@@ -155,10 +154,8 @@ class Evaluator {
     const int own = options_.max_evaluations - counters_.cost_evaluations;
     return outer_ ? std::min(own, outer_->evaluations_left()) : own;
   }
-  /// When the stop condition strikes at the latest.
-  StopCondition::Clock::time_point latest() const {
-    return outer_ ? outer_->latest() : stop_.latest();
-  }
+  /// Time until the stop condition strikes at the latest [s]; infinite: it may never. Thread-safe.
+  double seconds_left() const { return outer_ ? outer_->seconds_left() : stop_.left(); }
   void count_iteration() {
     ++counters_.iterations;
     note_idle();
@@ -230,7 +227,7 @@ class Evaluator {
   CommonOptions options_;
   const StopCondition& stop_;
   Evaluator* outer_;  // null: this is the solve itself
-  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+  double begin_ = seconds_by(stop_.clock());
 
   std::vector<int> free_;
   Eigen::VectorXd lower_, upper_, middle_;

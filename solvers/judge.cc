@@ -81,6 +81,20 @@ class Judge {
                : std::max(0.0, -(e.constraints.col(0).array() / unit_.array()).minCoeff());
   }
 
+  /// Whether the gradient of constraint r is small there alone, as of (x - 1)^3 near 1: within
+  /// reach it changes by a plain unit.
+  bool vanishes(Index r) {
+    if (unit_[r] >= kSmallestUnit) return false;
+    const Vector step = kReach / unit_[r] * s_.cwiseProduct(A_.row(r).transpose());
+    Evaluation e;
+    for (const double side : {1.0, -1.0}) {
+      if (!at(within(x_ + side * step), Evaluate::kValue, e)) continue;
+      const double change = std::abs(e.constraints(r, 0) - e_.constraints(r, 0));
+      if (change >= kReach * kSmallestUnit) return true;
+    }
+    return false;
+  }
+
   /// Value and derivatives at x, scaled. False where there are none.
   bool begin() {
     if (!problem_.has_gradient() || !at(x_, Evaluate::kGradient, e_)) return false;
@@ -88,8 +102,8 @@ class Judge {
     g_ = e_.gradient(free_).cwiseProduct(s_);
     A_ = e_.jacobian(Eigen::all, free_) * s_.asDiagonal();
     unit_ = A_.rowwise().norm();
-    for (double& unit : unit_) {
-      if (is_plain_unit(unit)) unit = 1.0;
+    for (Index r = 0; r < unit_.size(); ++r) {
+      if (is_plain_unit(unit_[r]) || vanishes(r)) unit_[r] = 1.0;
     }
     A_.array().colwise() /= unit_.array();
     c_ = e_.constraints.col(0).cwiseQuotient(unit_);

@@ -14,10 +14,10 @@ namespace prospect {
 /// one that is not, whether a step makes it less so. What is not shown is not said.
 ///
 /// Everything is in variables that are shares of typical_change(), y_i = x_i / s_i; a constraint
-/// whose gradient by y is no plain unit is divided by its length, so that the unit of a variable or
-/// of a constraint does not matter. g is the gradient of the cost by y, a_r that of the constraint
-/// c_r >= 0, which is active where c_r is at most ten times the feasibility tolerance, and nearer
-/// than 1e-4. A difference of cost counts from
+/// whose gradient by y is no plain unit, nor small at this point alone, is divided by its length,
+/// so that the unit of a variable or of a constraint does not matter. g is the gradient of the cost
+/// by y, a_r that of the constraint c_r >= 0, which is active where c_r is at most ten times the
+/// feasibility tolerance, and nearer than 1e-4. A difference of cost counts from
 ///
 ///   w = 10 tolerance size_of_cost(f, max(|g|, |H| / 2))
 ///

@@ -31,7 +31,7 @@ void JudgedRounds::add(Result& result) {
     i.evaluations += counters_.cost_evaluations;
   }
   count(result.counters);
-  seconds_ += result.wall_seconds;
+  seconds_ += result.seconds;
   result.counters = counters_;
   if (!result.trace.empty()) {
     // What was better in other units was not.
@@ -77,22 +77,33 @@ bool JudgedRounds::correct(const Judgement& judgement, Result& result) {
   return true;
 }
 
+Judgement JudgedRounds::judgement_of(const ProblemScale& scale, const Result& result) const {
+  JudgeTolerances tolerances{options_.tolerance, options_.feasibility_tolerance};
+  if (!scale.plain()) {
+    tolerances.size = std::max(scale.cost, std::abs(result.cost - scale.offset));
+  }
+  return prospect::judge(problem_, result.x, tolerances, evaluate_);
+}
+
 bool JudgedRounds::judge(const ProblemScale& scale, Result& result) {
   ++rounds_;
   const bool ended =
       result.stop == StopReason::kConverged || result.stop == StopReason::kNumericalTrouble;
   const bool free = (problem_.lower().array() < problem_.upper().array()).any();
   bool more = false;
+  // What has used up its evaluations may have come to where no step helps.
+  const bool stuck =
+      result.stop == StopReason::kIterationLimit && free && result.quality == Quality::kInfeasible;
+  if (stuck && judgement_of(scale, result).verdict == Verdict::kInfeasible) {
+    result.stop = StopReason::kInfeasible;
+    result.detail += ", no small step lessens the violation";
+  }
   if (ended && result.quality == Quality::kInfeasible && !free) {
     result.stop = StopReason::kInfeasible;
   } else if (ended && free && result.quality != Quality::kNone) {
     start_ = result.x;
     if (result.quality != Quality::kFeasible) {
-      JudgeTolerances tolerances{options_.tolerance, options_.feasibility_tolerance};
-      if (!scale.plain()) {
-        tolerances.size = std::max(scale.cost, std::abs(result.cost - scale.offset));
-      }
-      more = correct(prospect::judge(problem_, result.x, tolerances, evaluate_), result);
+      more = correct(judgement_of(scale, result), result);
       if (more) take(scale, result);
     }
     if (more || !scale.plain()) {
@@ -119,7 +130,7 @@ void JudgedRounds::take(const ProblemScale& scale, Result& result) {
   result.cost = result.explanation.cost;
   if (!result.trace.empty()) {
     result.trace.push_back(
-        {result.wall_seconds, result.counters.cost_evaluations, result.cost, result.violation});
+        {result.seconds, result.counters.cost_evaluations, result.cost, result.violation});
   }
 }
 

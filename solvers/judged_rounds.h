@@ -33,6 +33,7 @@ class JudgedRounds {
   CommonOptions options() const;
 
  private:
+  Judgement judgement_of(const ProblemScale& scale, const Result& result) const;
   /// Corrects the result by the verdict on it. True: start_ is where to go on.
   bool correct(const Judgement& judgement, Result& result);
   /// Makes start_ the result.

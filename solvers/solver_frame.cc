@@ -1,6 +1,5 @@
 #include "solvers/solver_frame.h"
 
-#include <chrono>
 #include <exception>
 
 #include "solvers/judged_rounds.h"
@@ -64,7 +63,7 @@ Result SolverFrame::solve_scaled(const Problem& problem, const ProblemScale& sca
 
 Result SolverFrame::solve_in_rounds(const Problem& problem, const OptionSet& set,
                                     const WarmStart& warm_start, const StopCondition& stop) const {
-  const auto begin = std::chrono::steady_clock::now();
+  const double begin = seconds_by(stop.clock());
   Evaluator first(problem, set.common(), stop);
   // Of the first evaluator: what judges lies beside what is solved.
   const EvaluatePoint evaluate = first.uncounted();
@@ -100,8 +99,7 @@ Result SolverFrame::solve_in_rounds(const Problem& problem, const OptionSet& set
     result.detail = first.error();
     if (result.quality == Quality::kFeasibleOptimum) result.quality = Quality::kFeasible;
   }
-  result.wall_seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  result.seconds = seconds_by(stop.clock()) - begin;
   return result;
 }
 
@@ -128,9 +126,9 @@ Result SolverFrame::solve_within(Evaluator& outer, const WarmStart& warm_start,
   return solve_with(evaluator, set, warm_start);
 }
 
-std::vector<std::optional<Result>> SolverFrame::solve_within(
-    Evaluator& outer, const std::vector<WarmStart>& starts, const Options& options,
-    StopCondition::Clock::time_point latest) const {
+std::vector<std::optional<Result>> SolverFrame::solve_within(Evaluator& outer,
+                                                             const std::vector<WarmStart>& starts,
+                                                             const Options& options) const {
   std::vector<std::optional<Result>> results(starts.size());
   OptionSet set = read(options);
   const std::string refusal = explain_refusal(outer.problem(), set);
@@ -139,7 +137,7 @@ std::vector<std::optional<Result>> SolverFrame::solve_within(
     return results;
   }
   outer.run_beside(static_cast<int>(starts.size()), set.common(), [&](int k, Evaluator& evaluator) {
-    if (k > 0 && StopCondition::Clock::now() >= latest) return;
+    if (k > 0 && outer.seconds_left() <= 0.0) return;
     const auto at = static_cast<std::size_t>(k);
     results[at] = solve_with(evaluator, set, starts[at]);
   });

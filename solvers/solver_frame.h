@@ -31,11 +31,11 @@ class SolverFrame : public Solver {
   /// evaluated here counts there too. The explanation of the result is left empty.
   Result solve_within(Evaluator& outer, const WarmStart& warm_start, const Options& options) const;
   /// The same from each of `starts`, as many at a time as `outer` has threads
-  /// (Evaluator::run_beside). None for a start whose turn came after `latest`, but for the first.
+  /// (Evaluator::run_beside). None for a start whose turn came after the time was over, but for the
+  /// first.
   std::vector<std::optional<Result>> solve_within(Evaluator& outer,
                                                   const std::vector<WarmStart>& starts,
-                                                  const Options& options,
-                                                  StopCondition::Clock::time_point latest) const;
+                                                  const Options& options) const;
 
  protected:
   /// Options that are taken too, but are too many to be listed by options().

@@ -16,7 +16,7 @@ std::vector<Candidate> evaluate(std::vector<Candidate> candidates, Evaluate what
   }
   // Several portions to each thread, as the first ones have rays to cast; of a step with a deadline
   // such that none takes long.
-  const bool may_end = stop.latest() != StopCondition::Clock::time_point::max();
+  const bool may_end = stop.left() != StopCondition::kNever;
   const StopCondition asked = one_at_a_time(stop);
   const Eigen::Index portion = may_end ? 2 : with.threads > 1 ? 8 : X.cols();
   const auto portions = static_cast<int>((X.cols() + portion - 1) / portion);

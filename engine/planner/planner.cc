@@ -242,10 +242,11 @@ class StepTime {
   /// Makes seeds until half the time is over that `stop` leaves for making and scoring them.
   StopCondition seeds(const StopCondition& stop) const {
     if (!(seconds_ > 0.0)) return {};
-    const auto now = Clock::now();
-    const auto half = now + (std::max(now, stop.latest()) - now) / 2;
-    return StopCondition(
-        [half] { return Clock::now() < half ? StopRequest::kNone : StopRequest::kDeadline; });
+    const double half = 0.5 * std::max(0.0, stop.left());
+    return StopCondition([stop, half] {
+      return stop.left() > half || half == StopCondition::kNever ? StopRequest::kNone
+                                                                 : StopRequest::kDeadline;
+    });
   }
   /// Whether there is time for what comes after them, or as much as there will be.
   bool suffices() const { return !(seconds_ > 0.0) || Clock::now() <= at(std::max(0.3, left())); }

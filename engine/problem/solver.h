@@ -80,7 +80,7 @@ struct Counters {
 
 /// The incumbent at the moment it became better.
 struct Improvement {
-  double seconds = 0.0;  ///< since the solve began, by the steady clock
+  double seconds = 0.0;  ///< since the solve began, by the clock of the stop condition
   int evaluations = 0;   ///< cost evaluations so far; of a batch: at the end of its chunk
   double cost = Problem::kRejectedCost;
   double violation = 0.0;
@@ -95,7 +95,7 @@ struct Result {
   Explanation explanation;  ///< of x
   WarmStart next;
   Counters counters;
-  double wall_seconds = 0.0;
+  double seconds = 0.0;  ///< that it took, by the clock of the stop condition
   /// With the option `trace`: every improvement of the incumbent, the last one is the result.
   std::vector<Improvement> trace;
   std::string detail;  ///< one sentence

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <time.h>
+
 #include <algorithm>
-#include <chrono>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <utility>
@@ -11,6 +13,19 @@ namespace prospect {
 
 enum class StopRequest { kNone, kDeadline, kCancelled };
 
+/// By what the time of a solve is counted.
+enum class SolveClock {
+  kWall,      ///< steady time: what a robot has
+  kProcessor  ///< processor time of all threads of the process: the same beside other work
+};
+
+/// By that clock, from some origin. [s]
+inline double seconds_by(SolveClock clock) {
+  timespec t{};
+  clock_gettime(clock == SolveClock::kWall ? CLOCK_MONOTONIC : CLOCK_PROCESS_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
 /// When a solve must end: a small value that is asked inside the evaluator, before every
 /// evaluation. Composable: `deadline(...) || cancelled(...)` stops as soon as either does.
 ///
@@ -18,51 +33,57 @@ enum class StopRequest { kNone, kDeadline, kCancelled };
 class StopCondition {
  public:
   using Function = std::function<StopRequest()>;
-  using Clock = std::chrono::steady_clock;
+  static constexpr double kNever = std::numeric_limits<double>::infinity();
 
   /// Never stops.
   StopCondition() = default;
-  /// latest: when it will ask to stop at the latest, if that is known.
-  explicit StopCondition(Function ask, Clock::time_point latest = Clock::time_point::max())
-      : ask_(std::move(ask)), latest_(latest) {}
+  /// latest: when it will ask to stop at the latest, seconds_by(clock), if that is known.
+  explicit StopCondition(Function ask, double latest = kNever, SolveClock clock = SolveClock::kWall)
+      : ask_(std::move(ask)), latest_(latest), clock_(clock) {}
 
   StopRequest operator()() const { return ask_ ? ask_() : StopRequest::kNone; }
-  /// The time by which it stops; max() if it may never. For those who share out the time they have.
-  Clock::time_point latest() const { return latest_; }
+  /// Time until it stops at the latest, by its clock [s]; infinite if it may never. For those who
+  /// share out the time they have.
+  double left() const { return latest_ == kNever ? kNever : latest_ - seconds_by(clock_); }
+  /// When that is, seconds_by(clock()).
+  double latest() const { return latest_; }
+  /// By which the time of the solve is told, too.
+  SolveClock clock() const { return clock_; }
 
   friend StopCondition operator||(StopCondition a, StopCondition b) {
     if (!a.ask_) return b;
     if (!b.ask_) return a;
-    const Clock::time_point latest = std::min(a.latest_, b.latest_);
+    const bool first = a.left() <= b.left();
+    const double latest = first ? a.latest_ : b.latest_;
+    const SolveClock clock = first ? a.clock_ : b.clock_;
     return StopCondition(
         [a = std::move(a.ask_), b = std::move(b.ask_)] {
           const StopRequest first = a();
           return first != StopRequest::kNone ? first : b();
         },
-        latest);
+        latest, clock);
   }
 
  private:
   Function ask_;
-  Clock::time_point latest_ = Clock::time_point::max();
+  double latest_ = kNever;
+  SolveClock clock_ = SolveClock::kWall;
 };
 
-/// Stops once `seconds` of wall-clock (steady) time have passed since this call. Infinite: never.
-/// Not a number, zero or less: at once.
-inline StopCondition deadline(double seconds) {
-  // Lifetimes would not fit the clock; nobody waits for them.
-  if (seconds >= 1e9) return {};
+/// Stops once `seconds` have passed by that clock since this call. Infinite: never. Not a number,
+/// zero or less: at once.
+inline StopCondition deadline(double seconds, SolveClock clock = SolveClock::kWall) {
+  const double now = seconds_by(clock);
   if (!(seconds > 0.0)) {
-    return StopCondition([] { return StopRequest::kDeadline; }, StopCondition::Clock::now());
+    return StopCondition([] { return StopRequest::kDeadline; }, now, clock);
   }
-  const auto end =
-      StopCondition::Clock::now() + std::chrono::duration_cast<StopCondition::Clock::duration>(
-                                        std::chrono::duration<double>(seconds));
+  // Of lifetimes nothing but the clock is left.
+  const double end = seconds >= 1e9 ? StopCondition::kNever : now + seconds;
   return StopCondition(
-      [end] {
-        return StopCondition::Clock::now() >= end ? StopRequest::kDeadline : StopRequest::kNone;
+      [end, clock] {
+        return seconds_by(clock) >= end ? StopRequest::kDeadline : StopRequest::kNone;
       },
-      end);
+      end, clock);
 }
 
 /// Stops once `flag()` is true (e.g. reads an atomic). An empty function: never.
@@ -85,7 +106,7 @@ inline StopCondition one_at_a_time(const StopCondition& stop) {
         if (state->answer == StopRequest::kNone) state->answer = stop();
         return state->answer;
       },
-      stop.latest());
+      stop.latest(), stop.clock());
 }
 
 }  // namespace prospect

@@ -1,7 +1,6 @@
 #include "solvers/hybrid/hybrid_solver.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <optional>
 #include <stdexcept>
@@ -31,13 +30,6 @@ constexpr double kScoringShare = 0.0625;
 
 // Seeds where the warm start gives none, itself included.
 constexpr int kOwnSeeds = 60;
-
-/// When `share` of the time from now to `latest` is over; never if that is never.
-StopCondition::Clock::time_point part_way(StopCondition::Clock::time_point latest, double share) {
-  if (latest == StopCondition::Clock::time_point::max()) return latest;
-  const auto now = StopCondition::Clock::now();
-  return now + std::chrono::duration_cast<StopCondition::Clock::duration>(share * (latest - now));
-}
 
 /// A point that may be polished.
 struct Seed {
@@ -131,7 +123,7 @@ class HybridSolver final : public SolverFrame {
     starts.front().stage_hessians = stage_hessians;
     while (!evaluator.should_stop()) {
       const double cost = evaluator.incumbent_cost(), violation = evaluator.incumbent_violation();
-      for (const auto& r : polish.solve_within(evaluator, starts, coarse, evaluator.latest())) {
+      for (const auto& r : polish.solve_within(evaluator, starts, coarse)) {
         if (!r) continue;
         ++begun;
         if (r->cost == evaluator.incumbent_cost()) stage_hessians = r->next.stage_hessians;
@@ -203,11 +195,11 @@ class HybridSolver final : public SolverFrame {
     std::vector<Seed> seeds = {
         {start, evaluator.incumbent_cost(), evaluator.incumbent_violation()}};
     const auto total = static_cast<int>(X.cols());
-    const bool hurried = own == 0 && evaluator.latest() != StopCondition::Clock::time_point::max();
-    const StopCondition::Clock::time_point end = part_way(evaluator.latest(), kScoringShare);
+    const double time = evaluator.seconds_left();
+    const bool hurried = own == 0 && std::isfinite(time);
     const int portion = hurried ? kScoredAtATime : total;
     for (int from = 0; from < total && !evaluator.stopped(); from += portion) {
-      if (from > 0 && StopCondition::Clock::now() >= end) break;
+      if (from > 0 && evaluator.seconds_left() <= (1.0 - kScoringShare) * time) break;
       Eigen::ArrayXd cost, violation;
       const auto batch = X.middleCols(from, std::min(portion, total - from));
       const int done = evaluator.evaluate_batch(batch, cost, violation, Evaluate::kScore);

@@ -20,7 +20,7 @@ using FindSolver = std::function<std::shared_ptr<const Solver>(std::string_view 
 ///     bounds and rate limits, and take half of the evaluations at most.
 ///  2. All are scored in one batch and ranked: feasible first, then by cost, else by violation.
 ///     Under a deadline, given seeds are scored in their order for a sixteenth of the time only
-///     (StopCondition::latest()), eight at least. Down the ranking, a seed is a start unless it is
+///     (StopCondition::left()), eight at least. Down the ranking, a seed is a start unless it is
 ///     near a better one that is,
 ///       |z - z'|^2 / n + ((J - J') / (J_median - J_best))^2 < separation^2,
 ///     z normalised by the ranges of the variables, until there are `basins` of them. warm_start.x

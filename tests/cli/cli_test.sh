@@ -449,6 +449,16 @@ succeeds "solve with an option" solve office@3 --solver hybrid,patience=2,nlopt
 grep -q '^hybrid,patience=2 ' out.txt || fail "solve: no row of a back end with its option"
 refused "an option that a back end does not have" "has no option 'patience'" "expected" \
   solve office@3 --solver nlopt,patience=2
+cat >expressions.json <<'END'
+{"problems": [
+ {"name": "free", "n": 1, "x0": [0], "objective": "x1", "inequalities_nonneg": [], "equalities_zero": [], "lower": [null], "upper": [null]},
+ {"name": "bowl", "n": 1, "x0": [3], "objective": "(x1-1)^2", "inequalities_nonneg": [], "equalities_zero": [], "lower": [-5], "upper": [5]}]}
+END
+succeeds "solve expressions" solve expressions.json --solver nlopt --clock cpu --json
+[[ "$(grep -E '"(stop_reason|quality)"' out.txt | tr -d ' ",' | tr '\n' ' ')" == \
+  "stop_reason:unbounded quality:feasible stop_reason:converged quality:feasible optimum " ]] ||
+  fail "solve expressions: $(grep -E '"(stop_reason|quality)"' out.txt)"
+(($(grep -c '"cpu_ms": ' out.txt) == 2)) || fail "solve --clock cpu: no times of the processor"
 # No time is no missing library.
 run solve office@3 --solver nlopt,hybrid --deadline 1e-6
 ((code == 1)) || fail "solve with no time: exit $code"

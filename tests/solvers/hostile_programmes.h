@@ -286,6 +286,30 @@ inline Programme contradiction(Draw& draw, int n) {
   return made;
 }
 
+/// x on a plane stated by an equality whose gradient vanishes there, (a x - 1)^power = 0, each side
+/// of it within 1e-6.
+inline Programme flat_equality(Draw& draw, int n, int power) {
+  Programme made{boxed("flat equality", n, 5.0, Vector::Zero(n))};
+  const Vector a = draw.vector(n, 0.5, 1.5);
+  made.of.f = [a](const Vector& x) {
+    return a.dot(x) + 0.5 * (x - a * a.dot(x) / a.squaredNorm()).squaredNorm();
+  };
+  made.of.g = [a](const Vector& x) { return Vector(a + x - a * a.dot(x) / a.squaredNorm()); };
+  made.of.rows = 2;
+  made.of.c = [a, power](const Vector& x) {
+    const double h = std::pow(a.dot(x) - 1.0, power);
+    return vec({1e-6 + h, 1e-6 - h});
+  };
+  made.of.J = [a, power](const Vector& x) {
+    const double d = power * std::pow(a.dot(x) - 1.0, power - 1);
+    Matrix J(2, a.size());
+    J << d * a.transpose(), -d * a.transpose();
+    return J;
+  };
+  made.of.optimum = 1.0;
+  return made;
+}
+
 /// Two equalities that are none together, each within 1e-6.
 inline Programme contradicting_equalities(Draw& draw, int n) {
   Programme made = contradiction(draw, n);
@@ -345,6 +369,7 @@ inline std::vector<Programme> programmes(unsigned seed) {
     all.push_back(in_units(empty_ball(draw, n()), Vector::Constant(1, draw.scale())));
     all.push_back(contradicting_equalities(draw, n()));
     all.push_back(between(draw.whole(1, 6)));
+    all.push_back(flat_equality(draw, draw.whole(1, 6), k == 0 ? 3 : 5));
   }
   all.push_back(restated(monkey_saddle(draw), draw.scale(), 0.0));
   all.push_back(parabolas());

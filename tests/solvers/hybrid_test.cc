@@ -256,7 +256,7 @@ TEST_F(Hybrid, InAHurryTheFirstSeedsHaveToDo) {
     return n;
   };
   // As above: its time is over, but it is not stopped.
-  const StopCondition over([] { return StopRequest::kNone; }, StopCondition::Clock::now());
+  const StopCondition over([] { return StopRequest::kNone; }, seconds_by(SolveClock::kWall));
   EXPECT_EQ(scored(over), 8);
   EXPECT_EQ(scored(deadline(1e6)), 20);
   EXPECT_EQ(scored({}), 20);

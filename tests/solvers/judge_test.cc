@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -52,6 +53,23 @@ FunctionProblem bounded(double least, bool ends) {
   return p;
 }
 
+/// x subject to |unit (x - 1)^power| <= 1e-6 unit.
+FunctionProblem narrow(double unit, int power) {
+  FunctionProblem p = hostile::boxed("narrow", 1, 3.0, Vector::Zero(1));
+  p.f = [](const Vector& x) { return x[0]; };
+  p.g = [](const Vector&) { return vec({1.0}); };
+  p.rows = 2;
+  p.c = [=](const Vector& x) {
+    const double h = std::pow(x[0] - 1.0, power);
+    return vec({unit * (1e-6 + h), unit * (1e-6 - h)});
+  };
+  p.J = [=](const Vector& x) {
+    const double d = unit * power * std::pow(x[0] - 1.0, power - 1);
+    return Eigen::MatrixXd(vec({d, -d}));
+  };
+  return p;
+}
+
 TEST(Judge, SaysOfAPointWhatIsShown) {
   struct Case {
     const char* name;
@@ -75,6 +93,10 @@ TEST(Judge, SaysOfAPointWhatIsShown) {
       {"on a constraint", bounded(1.0, false), vec({1.0, 0.0}), Verdict::kOptimum},
       {"off a constraint", bounded(1.0, false), vec({2.0, 0.0}), Verdict::kDescent},
       {"less would be violated", bounded(1.0, false), vec({0.5, 0.0}), Verdict::kLessens},
+      {"at an equality", narrow(1.0, 1), vec({1.0 - 1e-6}), Verdict::kOptimum},
+      {"in a small unit", narrow(1e-7, 1), vec({1.0 - 1e-6}), Verdict::kOptimum},
+      {"whose gradient vanishes", narrow(1.0, 3), vec({0.99}), Verdict::kUnproven},
+      {"more so", narrow(3.0, 5), vec({1.0 - std::pow(1e-6, 0.2)}), Verdict::kUnproven},
       {"no less can be violated", bounded(1.0, true), vec({0.5, 0.0}), Verdict::kInfeasible},
   };
   for (const Case& c : cases) {
@@ -82,7 +104,7 @@ TEST(Judge, SaysOfAPointWhatIsShown) {
     const Judgement judged = judge(c.programme.problem(), c.at);
     EXPECT_EQ(judged.verdict, c.verdict) << judged.why;
     if (judged.verdict != Verdict::kDescent) continue;
-    ASSERT_EQ(judged.better.size(), 2);
+    ASSERT_EQ(judged.better.size(), c.at.size());
     EXPECT_LT(c.programme.f(judged.better), c.programme.f(c.at) - 1e-5);
   }
 }

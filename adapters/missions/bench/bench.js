@@ -11,7 +11,10 @@ const build = environment.build || {};
 const commit = build.commit ? `commit ${build.commit.slice(0, 10)}${build.commit_changed ? ", with changes" : ""}` : "";
 $("facts").textContent = [bench.program, commit, build.compiler, build.build_type, environment.processor,
   bench.cancelled ? "cancelled before all problems were done" : "", plural(problems, "problem"), plural(bench.solvers.length, "back end"),
-  plural(bench.repeats, "repeat"), `at most ${bench.max_evaluations} evaluations`, `${bench.seeds.length > 1 ? "seeds" : "seed"} ${bench.seeds.join(", ")}`].filter(Boolean).join(" · ");
+  plural(bench.repeats, "repeat"), `at most ${bench.max_evaluations} evaluations`, `${bench.seeds.length > 1 ? "seeds" : "seed"} ${bench.seeds.join(", ")}`,
+  bench.clock === "cpu" ? "times of the processor" : ""].filter(Boolean).join(" · ");
+$("busy").textContent = bench.busy;
+$("busy").hidden = !bench.busy;
 $("rule").textContent = `Solved: feasible to ${compact(bench.feasibility_tolerance)} and a cost of at most best + max(${bench.relative_tolerance} |best|, a), ` +
   bench.sets.map((set) => set.absolute_tolerance > 0 ? `a = ${set.absolute_tolerance} in ${set.name}` : `of the difference between start and best in ${set.name}`).join(", ") +
   `. Best: the best cost known, or found in this run where none is known or that is lower (${found} of ${plural(problems, "problem")}). Optimum: claimed by the back end, and proven by the judge of all. “To target”: until the first such point, over all problems; – where more than the stated share was not solved. Geometric means and ranks: with 95 % intervals over the problems (hover).`;
@@ -224,6 +227,7 @@ function fillEnvironments() {
     line("processor", `${word(e.processor)}, ${plural(e.cores || 0, "core")}, ${word(e.memory_mb)} MB`);
     line("system", `${word(e.system)}, ${word(e.kernel)}`);
     const loads = bench.rows.filter((r) => r.environment === i && isNumber(r.load)).map((r) => r.load);
+    line("clock", bench.clock === "cpu" ? "processor time of all threads" : "the wall's");
     line("load", loads.length ? `${compact(Math.min(...loads))} to ${compact(Math.max(...loads))} while it ran` : "–");
     line("commit", `${word(b.commit)}${b.commit_changed ? ", with changes" : ""}`);
     line("compiler", `${word(b.compiler)}, ${word(b.build_type)}, ${word(b.flags)}`);

@@ -77,6 +77,9 @@ std::vector<std::string> differences(const BenchTable& a, const BenchTable& b) {
     view(key, true);
   }
   for (const char* key : {"processor", "cores", "system", "kernel", "threads"}) view(key, false);
+  if (a.clock != b.clock) {
+    found.push_back("clock: " + to_string(a.clock) + ", " + to_string(b.clock));
+  }
   const auto load = [](const BenchTable& table) {
     double sum = 0.0;
     for (const BenchRow& row : table.rows) sum += row.load;

@@ -135,7 +135,8 @@ Json row_json(const BenchTable& table, const BenchRow& row, bool traces) {
                {"solved", row.solved},
                {"ms_to_target", 1e3 * row.seconds_to_target},
                {"evaluations_to_target", row.evaluations_to_target},
-               {"wall_ms", 1e3 * row.seconds},
+               {"wall_ms", 1e3 * row.wall_seconds},
+               {"cpu_ms", 1e3 * row.processor_seconds},
                {"overrun_ms", 1e3 * row.overrun},
                {"cost_evaluations", row.counters.cost_evaluations},
                {"gradient_evaluations", row.counters.gradient_evaluations},
@@ -169,7 +170,7 @@ std::string cell(double value, const char* format) {
 std::string bench_csv(const BenchTable& table) {
   std::string csv =
       "set,problem,variables,constraints,solver,deadline_s,cost,violation,best_known,gap,solved,"
-      "ms_to_target,evaluations_to_target,wall_ms,overrun_ms,cost_evaluations,"
+      "ms_to_target,evaluations_to_target,wall_ms,cpu_ms,clock,overrun_ms,cost_evaluations,"
       "gradient_evaluations,iterations,stop_reason,quality,seed,optimality,load,detail\n";
   for (const BenchRow& row : table.rows) {
     const ProblemFacts& problem = table.problem_of(row);
@@ -181,7 +182,8 @@ std::string bench_csv(const BenchTable& table) {
            (there ? text(row.cost) : "") + ',' + (there ? text(row.violation) : "") + ',' +
            text(table.best_of(row).cost) + ',' + text(row.gap) + ',' + (row.solved ? "1," : "0,") +
            text(1e3 * row.seconds_to_target) + ',' + text(row.evaluations_to_target) + ',' +
-           (there ? text(1e3 * row.seconds) : "") + ',' +
+           (there ? text(1e3 * row.wall_seconds) : "") + ',' +
+           (there ? text(1e3 * row.processor_seconds) : "") + ',' + to_string(table.clock) + ',' +
            (row.deadline > 0.0 && there ? text(1e3 * row.overrun) : "") + ',' +
            std::to_string(row.counters.cost_evaluations) + ',' +
            std::to_string(row.counters.gradient_evaluations) + ',' +
@@ -231,6 +233,9 @@ Json bench_json(const BenchTable& table, const std::vector<GroupSummary>& groups
           {"repeats", table.repeats},
           {"max_evaluations", table.max_evaluations},
           {"seeds", table.seeds},
+          {"clock", to_string(table.clock)},
+          {"waited", waited(table)},
+          {"busy", busy_sentence(table)},
           {"deadlines_s", table.deadlines},
           {"solvers", table.solvers},
           {"sets", sets},
@@ -243,7 +248,9 @@ std::string bench_text(const BenchTable& table, const GroupSummary& group) {
   std::string out = group.set + ", " + std::to_string(group.problems) + " problems, ";
   out += group.deadline > 0.0 ? "deadline " + exact_text(1e3 * group.deadline) + " ms"
                               : std::string("no deadline");
+  if (table.clock == SolveClock::kProcessor) out += ", times of the processor";
   out += ", at most " + std::to_string(table.max_evaluations) + " evaluations\n";
+  if (const std::string busy = busy_sentence(table); !busy.empty()) out += busy + '\n';
   int width = 10;
   for (const SolverSummary& s : group.solvers) {
     width = std::max(width, static_cast<int>(s.solver.size()));

@@ -90,6 +90,11 @@ BenchTable merge_benches(const std::vector<std::string>& folders) {
       throw InputError("bench merge: " + folders[i] + ": " + what + " " + std::to_string(other) +
                        "; expected " + std::to_string(first) + " as in " + folders[0]);
     };
+    if (part.clock != merged.clock) {
+      throw InputError("bench merge: " + folders[i] + ": times by --clock " +
+                       to_string(part.clock) + "; expected " + to_string(merged.clock) + " as in " +
+                       folders[0]);
+    }
     same("repeats", merged.repeats, part.repeats);
     same("evaluations at most", merged.max_evaluations, part.max_evaluations);
     add_problems(merged, part, folders[i]);

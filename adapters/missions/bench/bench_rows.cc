@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr int kFormat = 2;
+constexpr int kFormat = 3;
 
 std::string line_of(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace) + '\n';
@@ -51,6 +51,7 @@ Json head_json(const BenchTable& table) {
             {"repeats", table.repeats},
             {"max_evaluations", table.max_evaluations},
             {"relative_tolerance", table.relative_tolerance},
+            {"clock", to_string(table.clock)},
             {"deadlines_s", table.deadlines},
             {"seeds", table.seeds},
             {"solvers", table.solvers},
@@ -85,8 +86,9 @@ Json row_json(const BenchTable& table, const BenchRow& row) {
             {"cost_evaluations", row.counters.cost_evaluations},
             {"gradient_evaluations", row.counters.gradient_evaluations},
             {"iterations", row.counters.iterations},
-            {"wall_s", row.seconds},
-            {"repeat_wall_s", row.repeat_seconds},
+            {"wall_s", row.wall_seconds},
+            {"cpu_s", row.processor_seconds},
+            {"repeat_s", row.repeat_seconds},
             {"overrun_s", row.overrun},
             {"detail", row.detail},
             {"trace",
@@ -114,6 +116,11 @@ BenchTable table_of(const Json& head) {
   head.at("repeats").get_to(table.repeats);
   head.at("max_evaluations").get_to(table.max_evaluations);
   head.at("relative_tolerance").get_to(table.relative_tolerance);
+  const std::string clock = head.at("clock");
+  table.clock =
+      clock == to_string(SolveClock::kProcessor) ? SolveClock::kProcessor : SolveClock::kWall;
+  if (clock != to_string(table.clock))
+    throw std::invalid_argument("clock '" + clock + "' is not known");
   head.at("deadlines_s").get_to(table.deadlines);
   head.at("seeds").get_to(table.seeds);
   head.at("solvers").get_to(table.solvers);
@@ -173,8 +180,10 @@ BenchRow row_of(const Json& json, const BenchTable& table, int environment) {
   json.at("cost_evaluations").get_to(row.counters.cost_evaluations);
   json.at("gradient_evaluations").get_to(row.counters.gradient_evaluations);
   json.at("iterations").get_to(row.counters.iterations);
-  json.at("wall_s").get_to(row.seconds);
-  json.at("repeat_wall_s").get_to(row.repeat_seconds);
+  json.at("wall_s").get_to(row.wall_seconds);
+  json.at("cpu_s").get_to(row.processor_seconds);
+  row.seconds = table.clock == SolveClock::kWall ? row.wall_seconds : row.processor_seconds;
+  json.at("repeat_s").get_to(row.repeat_seconds);
   json.at("overrun_s").get_to(row.overrun);
   json.at("detail").get_to(row.detail);
   const Json& trace = json.at("trace");
@@ -261,6 +270,10 @@ std::string differs_from(const BenchTable& earlier, const BenchTable& wanted) {
     return std::string(what) + ": " + std::to_string(there) + " there, " + std::to_string(asked) +
            " asked for";
   };
+  if (earlier.clock != wanted.clock) {
+    return "clock: " + to_string(earlier.clock) + " there, " + to_string(wanted.clock) +
+           " asked for";
+  }
   if (earlier.repeats != wanted.repeats) return count("repeats", earlier.repeats, wanted.repeats);
   if (earlier.max_evaluations != wanted.max_evaluations) {
     return count("evaluations at most", earlier.max_evaluations, wanted.max_evaluations);

@@ -3,20 +3,18 @@
 #include <stdlib.h>
 
 #include <algorithm>
-#include <chrono>
 #include <limits>
 #include <map>
 #include <tuple>
 #include <utility>
 
+#include "adapters/missions/bench/stated_bounds.h"
 #include "solvers/first_order_residual.h"
 #include "solvers/judge.h"
 #include "solvers/problem_scale.h"
 
 namespace prospect {
 namespace {
-
-using WallClock = std::chrono::steady_clock;
 
 double machine_load() {
   double load = 0.0;
@@ -42,74 +40,6 @@ void fill_caches(const BenchProblem& problem) {
   }
 }
 
-/// Whether x is near a bound that nobody stated.
-bool is_held(const BenchProblem& problem, const Problem& within, const Eigen::VectorXd& x) {
-  constexpr double kNear = 0.01;  // of the width
-  const auto near = [&](double distance, int i) {
-    return distance <= kNear * (within.upper()[i] - within.lower()[i]);
-  };
-  return x.size() == within.num_variables() &&
-         (std::any_of(problem.no_lower.begin(), problem.no_lower.end(),
-                      [&](int i) { return near(x[i] - within.lower()[i], i); }) ||
-          std::any_of(problem.no_upper.begin(), problem.no_upper.end(),
-                      [&](int i) { return near(within.upper()[i] - x[i], i); }));
-}
-
-/// A solve, and the problem that it was of in the end.
-struct BenchSolve {
-  Result result;
-  std::shared_ptr<const Problem> within;
-  bool held = false;
-};
-
-/// Solves the problem; where the solution is at a bound that nobody stated, again from there with
-/// such bounds farther out, with the evaluations that are left.
-BenchSolve solve_within_stated_bounds(const BenchProblem& problem, const Solver& solver,
-                                      Options given, const StopCondition& stop) {
-  constexpr double kFarther[] = {1e4, 1e6, 1e8};
-  constexpr int kLeastEvaluations = 10;
-  const auto begin = WallClock::now();
-  BenchSolve solve{solver.solve(*problem.problem, problem.start, given, stop), problem.problem};
-  Result& result = solve.result;
-  const auto budget = given.find("max_evaluations");
-  bool falls = false;
-  for (const double far : kFarther) {
-    solve.held = result.quality != Quality::kNone && is_held(problem, *solve.within, result.x);
-    falls = false;
-    if (!solve.held || result.stop == StopReason::kError || stop() != StopRequest::kNone) break;
-    if (budget != given.end()) {
-      if (!std::holds_alternative<int>(budget->second)) break;
-      const int left = std::get<int>(budget->second) - result.counters.cost_evaluations;
-      if (left < kLeastEvaluations) break;
-    }
-    Options rest = given;
-    if (budget != given.end()) {
-      rest["max_evaluations"] = std::get<int>(budget->second) - result.counters.cost_evaluations;
-    }
-    solve.within = problem.with_bounds(far);
-    WarmStart from;
-    from.x = result.x;
-    const double seconds = std::chrono::duration<double>(WallClock::now() - begin).count();
-    Result more = solver.solve(*solve.within, from, rest, stop);
-    for (Improvement& i : more.trace) {
-      i.seconds += seconds;
-      i.evaluations += result.counters.cost_evaluations;
-    }
-    more.trace.insert(more.trace.begin(), result.trace.begin(), result.trace.end());
-    more.counters.cost_evaluations += result.counters.cost_evaluations;
-    more.counters.gradient_evaluations += result.counters.gradient_evaluations;
-    more.counters.iterations += result.counters.iterations;
-    falls = more.cost < result.cost;
-    result = std::move(more);
-  }
-  solve.held = result.quality != Quality::kNone && is_held(problem, *solve.within, result.x);
-  if (!solve.held) return solve;
-  result.detail += ", held by a bound that nobody stated";
-  if (result.quality == Quality::kFeasibleOptimum) result.quality = Quality::kFeasible;
-  if (falls && result.quality == Quality::kFeasible) result.stop = StopReason::kUnbounded;
-  return solve;
-}
-
 BenchRow solve_once(const BenchProblem& problem, const SolverChoice& choice, double limit, int seed,
                     const BenchOptions& options) {
   // A back end from elsewhere may lack an option that all of ours have.
@@ -119,14 +49,17 @@ BenchRow solve_once(const BenchProblem& problem, const SolverChoice& choice, dou
     if (info.name == "seed") given.emplace(info.name, seed);
     if (info.name == "trace") given[info.name] = 1;
   }
-  const auto begin = WallClock::now();
-  StopCondition stop = limit > 0.0 ? deadline(limit) : StopCondition();
+  const double wall = seconds_by(SolveClock::kWall);
+  const double processor = seconds_by(SolveClock::kProcessor);
+  StopCondition stop = deadline(limit > 0.0 ? limit : StopCondition::kNever, options.clock);
   if (options.cancelled) stop = stop || cancelled_by(options.cancelled);
-  BenchSolve solve = solve_within_stated_bounds(problem, *choice.solver, given, stop);
+  StatedBoundsSolve solve = solve_within_stated_bounds(problem, *choice.solver, given, stop);
   Result& result = solve.result;
-  const double seconds = std::chrono::duration<double>(WallClock::now() - begin).count();
 
   BenchRow row;
+  row.wall_seconds = seconds_by(SolveClock::kWall) - wall;
+  row.processor_seconds = seconds_by(SolveClock::kProcessor) - processor;
+  row.seconds = options.clock == SolveClock::kWall ? row.wall_seconds : row.processor_seconds;
   row.deadline = limit;
   row.seed = seed;
   row.stop = result.stop;
@@ -143,11 +76,10 @@ BenchRow solve_once(const BenchProblem& problem, const SolverChoice& choice, dou
   row.cost = result.cost;
   row.violation = result.violation;
   row.counters = result.counters;
-  row.seconds = seconds;
-  if (limit > 0.0) row.overrun = std::max(0.0, seconds - limit);
+  if (limit > 0.0) row.overrun = std::max(0.0, row.seconds - limit);
   row.trace = std::move(result.trace);
   if (row.trace.empty() && row.quality != Quality::kNone) {
-    row.trace = {{seconds, row.counters.cost_evaluations, row.cost, row.violation}};
+    row.trace = {{row.seconds, row.counters.cost_evaluations, row.cost, row.violation}};
   }
   row.detail = std::move(result.detail);
   return row;
@@ -247,6 +179,7 @@ BenchTable empty_bench(const std::vector<ProblemSet>& sets,
   table.repeats = options.repeats;
   table.max_evaluations = options.max_evaluations;
   table.relative_tolerance = options.relative_tolerance;
+  table.clock = options.clock;
   table.environments = {options.environment};
   return table;
 }

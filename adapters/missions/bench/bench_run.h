@@ -15,6 +15,7 @@ struct BenchOptions {
   int repeats = 1;                        ///< of each solve
   int max_evaluations = 10000;            ///< of each solve, unless the back end is told otherwise
   double relative_tolerance = 0.01;       ///< of SolvedRule
+  SolveClock clock = SolveClock::kWall;   ///< of deadlines and of all times
   nlohmann::ordered_json environment = nlohmann::ordered_json::object();  ///< of this machine
   /// After each solve: how many are done, of how many.
   std::function<void(int done, int all)> on_solve;
@@ -33,9 +34,7 @@ BenchTable empty_bench(const std::vector<ProblemSet>& sets,
 /// nothing.
 ///
 /// A claimed optimum is judged for all back ends alike (judge.h), after the clock has stopped. A
-/// solution at a bound that nobody stated is none: the solve goes on from there with such bounds
-/// farther out, up to 1e8 beyond the start; if the cost still falls there, the problem is unbounded
-/// (StopReason::kUnbounded), and the row solves nothing.
+/// solution at a bound that nobody stated is none, and solves nothing: stated_bounds.h.
 ///
 /// `table`: that of empty_bench(), with rows of an earlier run, which are not solved again.
 BenchTable run_bench(const std::vector<ProblemSet>& sets, const std::vector<SolverChoice>& solvers,

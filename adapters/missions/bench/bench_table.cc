@@ -28,6 +28,27 @@ std::string words_of(const BenchTable& table, const BenchRow& row) {
          ", seed " + std::to_string(row.seed);
 }
 
+std::string to_string(SolveClock clock) { return clock == SolveClock::kWall ? "wall" : "cpu"; }
+
+double waited(const BenchTable& table) {
+  double wall = 0.0, processor = 0.0;
+  for (const BenchRow& row : table.rows) {
+    wall += row.wall_seconds;
+    processor += row.processor_seconds;
+  }
+  return wall > 0.0 ? std::max(0.0, 1.0 - processor / wall) : 0.0;
+}
+
+std::string busy_sentence(const BenchTable& table) {
+  const double share = waited(table);
+  if (!(share > kMostWaited)) return "";
+  const std::string percent = std::to_string(std::lround(100.0 * share));
+  return "measured on a busy machine: solves waited " + percent + " % of the time for a processor" +
+         (table.clock == SolveClock::kWall
+              ? "; deadlines struck early, times are not to be compared (--clock cpu)"
+              : ", which is not counted");
+}
+
 int environment_index(BenchTable& table, const nlohmann::ordered_json& environment) {
   auto& all = table.environments;
   const auto same = std::find(all.begin(), all.end(), environment);

@@ -58,8 +58,10 @@ struct BenchRow {
   double violation = Problem::kRejectedCost;
   Eigen::VectorXd x;  ///< the solution; empty: none
   Counters counters;
-  double seconds = 0.0;                ///< of the call of solve(), as its caller sees it
-  std::vector<double> repeat_seconds;  ///< of each repeat
+  double seconds = 0.0;  ///< of the call of solve(), as its caller sees it, by the bench's clock
+  std::vector<double> repeat_seconds;  ///< of each repeat, likewise
+  /// Of the same call: by the wall's clock, and processor time of all threads.
+  double wall_seconds = 0.0, processor_seconds = 0.0;
   /// The longest time past the deadline of all repeats. [s]
   double overrun = 0.0;
   std::vector<Improvement> trace;  ///< of a back end that keeps none: the result alone
@@ -91,6 +93,7 @@ struct BenchTable {
   int repeats = 1;                           ///< of each solve
   int max_evaluations = 10000;               ///< of each solve, unless a back end is told otherwise
   double relative_tolerance = 0.01;          ///< of SolvedRule
+  SolveClock clock = SolveClock::kWall;      ///< of deadlines and of all times
   std::vector<std::vector<BestKnown>> best;  ///< by set, problem
   std::vector<BenchRow> rows;                ///< by set, problem, deadline, seed, solver
   /// Then sets and rows hold only the problems that every back end was done with.
@@ -121,6 +124,18 @@ std::string words_of(const BenchTable& table, const BenchRow& row);
 
 /// Where that environment stands in the table; added at the end if it is new.
 int environment_index(BenchTable& table, const nlohmann::ordered_json& environment);
+
+/// "wall" or "cpu".
+std::string to_string(SolveClock clock);
+
+/// Share of the wall's time of all solves in which their thread did not run,
+/// max(0, 1 - sum processor / sum wall): other work had the processor. Back ends with several
+/// threads hide it. 0 without a solve.
+double waited(const BenchTable& table);
+/// With more than that, times by the wall's clock are those of a busy machine.
+inline constexpr double kMostWaited = 0.05;
+/// That in a sentence; "" of a machine that was not busy.
+std::string busy_sentence(const BenchTable& table);
 
 /// Fills best and what rows hold against it: the best known cost of a problem is the best of what
 /// the set states and of every feasible result in the table.

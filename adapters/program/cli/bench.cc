@@ -52,6 +52,8 @@ struct BenchArguments {
   std::string capture;  ///< folder to write the problems of `missions` to, instead of a bench
   bool quick = false;
   bool keep_best = false;
+  bool publish = false;
+  SolveClock clock = SolveClock::kWall;
   bool resume = false;
   bool overwrite = false;
   bool json = false;
@@ -128,7 +130,8 @@ std::vector<std::string> folders_of(const BenchArguments& arguments, bool compar
   const bool other = !arguments.solvers.empty() || !arguments.deadlines.empty() ||
                      !arguments.seeds.empty() || !arguments.configuration.empty() ||
                      !arguments.capture.empty() || arguments.repeats > 0 || arguments.quick ||
-                     arguments.keep_best || arguments.resume ||
+                     arguments.keep_best || arguments.resume || arguments.publish ||
+                     arguments.clock != SolveClock::kWall ||
                      (compare && (!arguments.out.empty() || arguments.overwrite));
   if (other) {
     throw InputError(call + ": an option of a measurement; expected " +
@@ -259,6 +262,7 @@ int bench(const BenchArguments& arguments, const Registries& registries, SignalG
     throw InputError("--seed: the same twice; expected each once");
   }
   options.relative_tolerance = arguments.tolerance;
+  options.clock = arguments.clock;
   options.environment = environment();
   const std::string out = arguments.out.empty() ? "runs/bench" : arguments.out;
   signals.note();  // not before: until here nothing is measured
@@ -312,6 +316,13 @@ int bench(const BenchArguments& arguments, const Registries& registries, SignalG
       std::cerr << "prospect: " << solver << ": " << row.detail << '\n';
     }
   }
+  if (const std::string busy = busy_sentence(table); !busy.empty()) {
+    std::cerr << "prospect: " << busy << '\n';
+    if (arguments.publish && table.clock == SolveClock::kWall) {
+      std::cerr << "prospect: --publish: not to be published\n";
+      return kFailed;
+    }
+  }
   return any ? kDone : kFailed;
 }
 
@@ -337,11 +348,11 @@ Command bench_command(CLI::App& program) {
       ->allow_extra_args(false);
   command
       ->add_option("--deadline", arguments.deadlines,
-                   "Wall-clock limits of a solve [s], separated by commas; 0: none [0.1,1; with "
-                   "--quick 0.1]")
+                   "Limits of a solve [s], separated by commas; 0: none [0.1,1; with --quick 0.1]")
       ->delimiter(',')
       ->allow_extra_args(false)
       ->check(number_within(0.0, 3600.0));
+  add_clock(command, arguments.clock);
   command->add_option("--repeat", arguments.repeats, "How often each solve is made [3; 1]")
       ->check(whole_number_within(1, 1000));
   command->add_option("--max-evaluations", arguments.max_evaluations, "Of each solve")
@@ -369,6 +380,8 @@ Command bench_command(CLI::App& program) {
       ->type_name("DIR");
   command->add_flag("--quick", arguments.quick,
                     "A share of each built-in set, few back ends: less than a minute");
+  command->add_flag("--publish", arguments.publish,
+                    "Fail if other work kept the solves waiting, so that no such times get out");
   command->add_flag("--keep-best", arguments.keep_best,
                     "Keep the best costs found in best_known.json of the set's folder");
   command->add_flag("--resume", arguments.resume,

@@ -47,6 +47,17 @@ CLI::Validator whole_number_within(std::uint64_t min, std::uint64_t max) {
           ""};
 }
 
+void add_clock(CLI::App* command, SolveClock& clock) {
+  one_of(command->add_option_function<std::string>(
+             "--clock",
+             [&clock](const std::string& word) {
+               clock = word == "cpu" ? SolveClock::kProcessor : SolveClock::kWall;
+             },
+             "Of deadlines and times: the wall's, or processor time of all threads, the same "
+             "beside other work [wall]"),
+         {"wall", "cpu"});
+}
+
 void add_plugins(CLI::App* command, std::vector<std::string>& plugins) {
   command
       ->add_option("--plugin", plugins,

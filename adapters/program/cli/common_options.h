@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "adapters/formats/datasets/stereo_source.h"
+#include "engine/problem/stop_condition.h"
 
 // Options, and what their values may be, that several commands share.
 namespace prospect {
@@ -17,6 +18,8 @@ CLI::Option* one_of(CLI::Option* option, const std::vector<std::string>& choices
 CLI::Validator number_within(double min, double max);
 /// A whole number in [min, max]: CLI11 wraps a negative one around.
 CLI::Validator whole_number_within(std::uint64_t min, std::uint64_t max);
+/// By which clock deadlines strike and times are told: --clock wall|cpu.
+void add_clock(CLI::App* command, SolveClock& clock);
 /// --plugin FILE.
 void add_plugins(CLI::App* command, std::vector<std::string>& plugins);
 /// Topics of a bag as USE=TOPIC, separated by commas.

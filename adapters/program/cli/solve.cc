@@ -16,7 +16,10 @@
 
 #include "adapters/formats/files/input_error.h"
 #include "adapters/formats/problem_file/problem_file.h"
+#include "adapters/missions/bench/bench_table.h"
+#include "adapters/missions/bench/expression_file.h"
 #include "adapters/missions/bench/solver_choice.h"
+#include "adapters/missions/bench/stated_bounds.h"
 #include "adapters/missions/config/configuration.h"
 #include "adapters/missions/run/exploration_run.h"
 #include "adapters/program/cli/absent_solver.h"
@@ -36,28 +39,30 @@ struct SolveArguments {
   ConfigurationArguments configuration;  ///< of the missions of WORLD@STEP
   std::vector<std::string> solvers;  ///< names, each followed by its options; empty: one of a kind
   double deadline = 0.0;             ///< [s], 0: none
+  SolveClock clock = SolveClock::kWall;
   int max_evaluations = 400;
   std::uint64_t seed = 1;
   bool json = false;
   bool quiet = false;
 };
 
-struct NamedProblem {
-  std::string name;
-  std::shared_ptr<const Problem> problem;
-  WarmStart warm_start;
-};
-
 /// The problem file `path`.
-NamedProblem load(const std::string& path, const TermRegistry& terms) {
+BenchProblem load(const std::string& path, const TermRegistry& terms) {
   ReadProblem read = read_problem(path, terms);
-  NamedProblem named{path, std::move(read.problem), {}};
+  BenchProblem named;
+  named.name = path;
+  named.problem = std::move(read.problem);
   if (read.saved.warm_start) {
-    named.warm_start = std::move(*read.saved.warm_start);
+    named.start = std::move(*read.saved.warm_start);
   } else if (!read.saved.seeds.empty()) {
-    named.warm_start.x = read.saved.seeds.front().z;
+    named.start.x = read.saved.seeds.front().z;
   }
   return named;
+}
+
+/// The problems of a file of expressions.
+bool holds_expressions(const std::string& path) {
+  return std::filesystem::path(path).extension() == ".json";
 }
 
 /// The step of WORLD@STEP; -1 of any other text, which is the path of a problem file.
@@ -76,7 +81,7 @@ int step_of(const std::string& text) {
   if (path.extension() == ".h5" || std::filesystem::exists(path, ignored)) return -1;
   throw InputError("problem '" + text +
                    "': no such file and no planning step; expected WORLD@STEP, e.g. office@40, "
-                   "or a problem file");
+                   "a problem file or a file of expressions (.json)");
 }
 
 /// What a mission is driven for.
@@ -89,7 +94,7 @@ struct Capture {
 /// Takes the problem of one planning step of a mission.
 class StepCapture final : public RunObserver {
  public:
-  StepCapture(const Capture& wanted, NamedProblem& named, Progress& progress)
+  StepCapture(const Capture& wanted, BenchProblem& named, Progress& progress)
       : wanted_(wanted), named_(named), progress_(progress) {}
 
   void on_record(const StepRecord& record, const MissionStep& step) override {
@@ -101,7 +106,7 @@ class StepCapture final : public RunObserver {
     if (step.made) named_.problem = step.made->problem;
     if (!named_.problem) no_problem = record.certificate;
     // Every back end starts from the same point: the best seed.
-    if (step.made && !step.made->seeds.empty()) named_.warm_start.x = step.made->seeds.front().z;
+    if (step.made && !step.made->seeds.empty()) named_.start.x = step.made->seeds.front().z;
   }
 
   int steps_done = 0;
@@ -109,14 +114,15 @@ class StepCapture final : public RunObserver {
 
  private:
   const Capture& wanted_;
-  NamedProblem& named_;
+  BenchProblem& named_;
   Progress& progress_;
 };
 
 /// Runs the mission up to that planning step and takes the problem it meets there.
-NamedProblem capture(const Capture& wanted, const Configuration& configuration,
+BenchProblem capture(const Capture& wanted, const Configuration& configuration,
                      const Registries& registries, std::uint64_t seed, Progress& progress) {
-  NamedProblem named{wanted.name, nullptr, {}};
+  BenchProblem named;
+  named.name = wanted.name;
   StepCapture taken(wanted, named, progress);
   ExplorationRunOptions options;
   options.seed = seed;
@@ -137,7 +143,8 @@ NamedProblem capture(const Capture& wanted, const Configuration& configuration,
   return named;
 }
 
-nlohmann::ordered_json to_json(const std::string& solver, const Result& r) {
+nlohmann::ordered_json to_json(const std::string& solver, const Result& r,
+                               const std::string& clock) {
   nlohmann::ordered_json terms = nlohmann::ordered_json::object();
   for (const TermValue& t : r.explanation.terms) {
     terms[t.name] = {{"raw", t.raw}, {"weighted", t.weighted}, {"unit", t.unit}};
@@ -149,23 +156,23 @@ nlohmann::ordered_json to_json(const std::string& solver, const Result& r) {
           {"cost_evaluations", r.counters.cost_evaluations},
           {"gradient_evaluations", r.counters.gradient_evaluations},
           {"iterations", r.counters.iterations},
-          {"wall_ms", 1e3 * r.wall_seconds},
+          {clock + "_ms", 1e3 * r.seconds},
           {"stop_reason", to_string(r.stop)},
           {"quality", to_string(r.quality)},
           {"detail", r.detail}};
 }
 
-void print_table(const NamedProblem& named,
-                 const std::vector<std::pair<std::string, Result>>& rows) {
+void print_table(const BenchProblem& named, const std::vector<std::pair<std::string, Result>>& rows,
+                 const std::string& clock) {
   const Problem& p = *named.problem;
   std::printf("%s: %d variables, %d constraints\n", named.name.c_str(), p.num_variables(),
               p.num_constraints());
   std::printf("%-26s %12s %11s %7s %7s %9s  %-18s %s\n", "solver", "cost", "violation", "evals",
-              "grads", "ms", "stopped by", "quality");
+              "grads", (clock == "wall" ? "ms" : clock + " ms").c_str(), "stopped by", "quality");
   for (const auto& [solver, r] : rows) {
     std::printf("%-26s %12.6g %11.3g %7d %7d %9.2f  %-18s %s\n", solver.c_str(), r.cost,
                 r.violation, r.counters.cost_evaluations, r.counters.gradient_evaluations,
-                1e3 * r.wall_seconds, std::string(to_string(r.stop)).c_str(),
+                1e3 * r.seconds, std::string(to_string(r.stop)).c_str(),
                 std::string(to_string(r.quality)).c_str());
   }
   std::printf("\n%-26s", "weighted terms");
@@ -198,11 +205,19 @@ int solve(const SolveArguments& arguments, const Registries& registries, SignalG
 
   // All of them before any is solved: a bad one is refused with nothing printed.
   Progress progress(arguments.quiet);
-  std::vector<NamedProblem> problems;
+  std::vector<BenchProblem> problems;
   std::vector<Capture> captures;  // by problem
   for (const std::string& text : arguments.problems) {
     const int step = step_of(text);
-    problems.push_back(step < 0 ? load(text, registries.terms) : NamedProblem{text, nullptr, {}});
+    if (step < 0 && holds_expressions(text)) {
+      for (BenchProblem& problem : read_expression_file(text).problems) {
+        problem.name = text + ": " + problem.name;
+        problems.push_back(std::move(problem));
+        captures.push_back({text, nullptr, step});
+      }
+      continue;
+    }
+    problems.push_back(step < 0 ? load(text, registries.terms) : BenchProblem{});
     captures.push_back({text, nullptr, step});
     if (step < 0) continue;
     captures.back().world = told_world(text.substr(0, text.rfind('@')), configuration,
@@ -223,28 +238,29 @@ int solve(const SolveArguments& arguments, const Registries& registries, SignalG
   const std::function<bool()> cancelled = signals.came();
   bool any_feasible = false;
   nlohmann::ordered_json json = nlohmann::ordered_json::array();
-  for (const NamedProblem& named : problems) {
+  for (const BenchProblem& named : problems) {
     std::vector<std::pair<std::string, Result>> rows;
     for (const SolverChoice& choice : solvers) {
       Options options = choice.options;
       options.try_emplace("max_evaluations", arguments.max_evaluations);
       options.try_emplace("seed", static_cast<int>(arguments.seed));
-      StopCondition stop =
-          arguments.deadline > 0.0 ? deadline(arguments.deadline) : StopCondition();
-      stop = stop || cancelled_by(cancelled);
+      const StopCondition stop =
+          deadline(arguments.deadline > 0.0 ? arguments.deadline : StopCondition::kNever,
+                   arguments.clock) ||
+          cancelled_by(cancelled);
       rows.emplace_back(choice.label,
-                        choice.solver->solve(*named.problem, named.warm_start, options, stop));
+                        solve_within_stated_bounds(named, *choice.solver, options, stop).result);
       if (cancelled()) {
         rows.pop_back();  // not what it would have found
         break;
       }
       const Result& r = rows.back().second;
       any_feasible |= r.quality == Quality::kFeasible || r.quality == Quality::kFeasibleOptimum;
-      nlohmann::ordered_json row = to_json(choice.label, r);
+      nlohmann::ordered_json row = to_json(choice.label, r, to_string(arguments.clock));
       if (problems.size() > 1) row["problem"] = named.name;
       json.push_back(std::move(row));
     }
-    if (!arguments.json && !rows.empty()) print_table(named, rows);
+    if (!arguments.json && !rows.empty()) print_table(named, rows, to_string(arguments.clock));
     for (const auto& [solver, r] : rows) {
       if (r.stop == StopReason::kError) {
         std::cerr << "prospect: " << solver << ": " << r.detail << '\n';
@@ -276,9 +292,10 @@ Command solve_command(CLI::App& program) {
   CLI::App* command =
       program.add_subcommand("solve", "One planning problem, several back ends, side by side");
   command
-      ->add_option("problem", arguments.problems,
-                   "Problem file (explore --save-problems), or WORLD@STEP: the problem that a "
-                   "mission in WORLD meets at planning step STEP")
+      ->add_option(
+          "problem", arguments.problems,
+          "Problem file (explore --save-problems), file of problems as expressions (.json), "
+          "or WORLD@STEP: the problem that a mission in WORLD meets at planning step STEP")
       ->type_name("PROBLEM")
       ->required();
   add_configuration(command, arguments.configuration, " of the mission of WORLD@STEP");
@@ -288,8 +305,9 @@ Command solve_command(CLI::App& program) {
       ->type_name("SOLVER")
       ->delimiter(',')
       ->allow_extra_args(false);
-  command->add_option("--deadline", arguments.deadline, "Wall-clock limit of each solve [s]")
+  command->add_option("--deadline", arguments.deadline, "Limit of each solve [s]; 0: none")
       ->check(number_within(0.0, 3600.0));
+  add_clock(command, arguments.clock);
   command->add_option("--max-evaluations", arguments.max_evaluations, "Of each solve")
       ->check(whole_number_within(1, 100000000))
       ->capture_default_str();

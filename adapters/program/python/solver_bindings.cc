@@ -258,7 +258,7 @@ void bind_results(py::module_& m) {
       .def_property_readonly("gradient_evaluations",
                              [](const Result& r) { return r.counters.gradient_evaluations; })
       .def_property_readonly("iterations", [](const Result& r) { return r.counters.iterations; })
-      .def_readonly("seconds", &Result::wall_seconds, "Of the wall clock.")
+      .def_readonly("seconds", &Result::seconds, "Of the wall clock.")
       .def_readonly("detail", &Result::detail, "One sentence.")
       .def_property_readonly(
           "trace",

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
 #include <limits>
 #include <thread>
 #include <vector>
@@ -13,17 +14,29 @@ namespace {
 TEST(StopCondition, TheDefaultNeverStops) { EXPECT_EQ(StopCondition()(), StopRequest::kNone); }
 
 TEST(StopCondition, ADeadlineStrikesWhenItsTimeHasPassedAndNotBefore) {
-  const auto before = StopCondition::Clock::now();
-  const StopCondition stop = deadline(0.05);
-  const auto after = StopCondition::Clock::now();
-  StopCondition::Clock::time_point asked;
-  do {
-    asked = StopCondition::Clock::now();
-    if (stop() != StopRequest::kNone) break;
-    ASSERT_LT(asked - after, std::chrono::milliseconds(50));
-  } while (true);
-  EXPECT_EQ(stop(), StopRequest::kDeadline);
-  EXPECT_GE(StopCondition::Clock::now() - before, std::chrono::milliseconds(50));
+  for (const SolveClock clock : {SolveClock::kWall, SolveClock::kProcessor}) {
+    const double before = seconds_by(clock);
+    const StopCondition stop = deadline(0.05, clock);
+    const double after = seconds_by(clock);
+    EXPECT_EQ(stop.clock(), clock);
+    do {
+      const double asked = seconds_by(clock);
+      if (stop() != StopRequest::kNone) break;
+      ASSERT_LT(asked - after, 0.05);
+    } while (true);
+    EXPECT_EQ(stop(), StopRequest::kDeadline);
+    EXPECT_GE(seconds_by(clock) - before, 0.05 - 1e-9);
+  }
+}
+
+TEST(StopCondition, ProcessorTimeDoesNotPassWhileOthersWork) {
+  const double before = seconds_by(SolveClock::kProcessor);
+  const StopCondition stop = deadline(0.03, SolveClock::kProcessor);
+  // Of this process nothing works meanwhile.
+  std::this_thread::sleep_for(std::chrono::milliseconds(60));
+  const double passed = seconds_by(SolveClock::kProcessor) - before;
+  EXPECT_LT(passed, 0.03);
+  EXPECT_EQ(stop(), StopRequest::kNone);
 }
 
 TEST(StopCondition, OddDeadlines) {
@@ -39,21 +52,25 @@ TEST(StopCondition, OddDeadlines) {
 }
 
 TEST(StopCondition, SaysWhenItStopsAtTheLatest) {
-  using Time = StopCondition::Clock::time_point;
-  const Time before = StopCondition::Clock::now();
+  const double before = seconds_by(SolveClock::kWall);
   const StopCondition soon = deadline(10.0), late = deadline(20.0);
-  const Time after = StopCondition::Clock::now();
-  EXPECT_GE(soon.latest(), before + std::chrono::seconds(10));
-  EXPECT_LE(soon.latest(), after + std::chrono::seconds(10));
+  const double after = seconds_by(SolveClock::kWall);
+  EXPECT_GE(soon.latest(), before + 10.0);
+  EXPECT_LE(soon.latest(), after + 10.0);
+  EXPECT_LE(soon.left(), 10.0);
   const StopCondition cancel = cancelled_by([] { return false; });
-  EXPECT_EQ(cancel.latest(), Time::max());
-  EXPECT_EQ(StopCondition().latest(), Time::max());
-  EXPECT_EQ(deadline(1e10).latest(), Time::max());
+  EXPECT_EQ(cancel.left(), StopCondition::kNever);
+  EXPECT_EQ(StopCondition().left(), StopCondition::kNever);
+  EXPECT_EQ(deadline(1e10).left(), StopCondition::kNever);
   EXPECT_EQ((late || soon).latest(), soon.latest());
   EXPECT_EQ((soon || late).latest(), soon.latest());
   EXPECT_EQ((cancel || soon).latest(), soon.latest());
-  const StopCondition over = deadline(0.0);
-  EXPECT_LE(over.latest(), StopCondition::Clock::now());
+  EXPECT_LE(deadline(0.0).left(), 0.0);
+  // Of two clocks that of what strikes first.
+  const StopCondition worked = deadline(1.0, SolveClock::kProcessor);
+  EXPECT_EQ((soon || worked).clock(), SolveClock::kProcessor);
+  EXPECT_EQ((worked || cancel).clock(), SolveClock::kProcessor);
+  EXPECT_EQ((worked || deadline(0.1)).clock(), SolveClock::kWall);
 }
 
 TEST(StopCondition, CancellationIsSeenFromAnotherThread) {
@@ -83,7 +100,7 @@ TEST(StopCondition, OneAtATimeOnManyThreads) {
   std::atomic<int> asking = 0;
   int asked = 0;  // not atomic: that is what it is for
   bool together = false;
-  const auto latest = StopCondition::Clock::now();
+  const double latest = seconds_by(SolveClock::kWall);
   // It changes its mind after the thousandth time.
   const StopCondition stop(
       [&] {

@@ -40,6 +40,7 @@ BenchTable table() {
   t.solvers = {"one", "two,samples=3"};
   t.deadlines = {0.0, 0.1};
   t.seeds = {4};
+  t.clock = SolveClock::kProcessor;
   t.environments = {{{"processor", "abacus"}, {"build", {{"commit", "c0ffee"}}}}};
   BenchRow row;
   row.problem = 1;
@@ -54,7 +55,8 @@ BenchTable table() {
   row.violation = 0.0;
   row.x = Eigen::Vector3d(0.1, -2.0, 1e-300);
   row.counters = {7, 3, 2};
-  row.seconds = 0.125;
+  row.seconds = row.processor_seconds = 0.125;
+  row.wall_seconds = 0.25;
   row.repeat_seconds = {0.125, 0.25};
   row.trace = {{0.01, 1, 5.0, std::numeric_limits<double>::infinity()}, {0.02, 7, 1.0 / 3.0, 0.0}};
   row.detail = "line\nbreak";
@@ -83,6 +85,9 @@ TEST_F(BenchRows, ReadBackBitForBit) {
   EXPECT_EQ(b.x, a.x);
   EXPECT_EQ(b.counters.gradient_evaluations, 3);
   EXPECT_EQ(b.repeat_seconds, a.repeat_seconds);
+  EXPECT_EQ(b.seconds, a.seconds);
+  EXPECT_EQ(b.wall_seconds, a.wall_seconds);
+  EXPECT_EQ(b.processor_seconds, a.processor_seconds);
   ASSERT_EQ(b.trace.size(), 2U);
   EXPECT_TRUE(std::isinf(b.trace[0].violation));
   EXPECT_EQ(b.trace[1].cost, a.trace[1].cost);

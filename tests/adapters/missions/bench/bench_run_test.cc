@@ -219,6 +219,49 @@ TEST(BenchRun, MovesBoundsThatNobodyStatedAndSaysWhatIsUnbounded) {
   }
 }
 
+/// Has nothing to do for 20 ms, as where others have the processor.
+class Waiting final : public Solver {
+ public:
+  std::string name() const override { return "waiting"; }
+  std::vector<OptionInfo> options() const override { return common_options(); }
+  std::string explain_unsupported(const Problem&) const override { return ""; }
+  Result solve(const Problem&, const WarmStart&, const Options&,
+               const StopCondition& stop) const override {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    Result r;
+    r.stop = stop() == StopRequest::kNone ? StopReason::kConverged : StopReason::kDeadline;
+    r.quality = Quality::kFeasible;
+    return r;
+  }
+};
+
+TEST(BenchRun, CountsTimeByTheClockAskedForAndTellsABusyMachine) {
+  BenchOptions options;
+  options.deadlines = {0.015};
+  for (const SolveClock clock : {SolveClock::kWall, SolveClock::kProcessor}) {
+    options.clock = clock;
+    const BenchTable t =
+        run_bench({two_problems()}, {{"waiting", std::make_shared<Waiting>(), {}}}, options);
+    const bool wall = clock == SolveClock::kWall;
+    for (const BenchRow& row : t.rows) {
+      EXPECT_EQ(row.stop, wall ? StopReason::kDeadline : StopReason::kConverged);
+      EXPECT_GE(row.wall_seconds, 0.02);
+      EXPECT_LT(row.processor_seconds, 0.015);
+      EXPECT_EQ(row.seconds, wall ? row.wall_seconds : row.processor_seconds);
+    }
+    EXPECT_GT(waited(t), kMostWaited);
+    const std::string text = bench_text(t, summarize(t).front());
+    EXPECT_THAT(text, HasSubstr("busy machine: solves waited"));
+    EXPECT_EQ(text.find("times of the processor") == std::string::npos, wall);
+    EXPECT_THAT(bench_csv(t), HasSubstr(wall ? ",wall," : ",cpu,"));
+  }
+  BenchTable idle;
+  idle.rows.resize(1);
+  idle.rows[0].wall_seconds = 1.0;
+  idle.rows[0].processor_seconds = 0.96;
+  EXPECT_EQ(busy_sentence(idle), "");
+}
+
 TEST(BenchRun, SolvesOnceWithEachSeed) {
   BenchOptions options;
   options.seeds = {3, 5};
