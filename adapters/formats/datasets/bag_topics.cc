@@ -5,6 +5,7 @@
 
 #include "adapters/formats/bags/decompression.h"
 #include "adapters/formats/datasets/elements.h"
+#include "adapters/formats/datasets/number_text.h"
 #include "adapters/formats/datasets/ros_messages.h"
 #include "adapters/formats/datasets/stereo_calibration.h"
 #include "adapters/formats/datasets/transform_tree.h"
@@ -210,6 +211,18 @@ std::vector<std::pair<double, std::size_t>> stamped_messages(const BagFile& bag,
   if (unset > 0) {
     notes.push_back(topic.name + ": " + std::to_string(unset) + " " + what +
                     " without a stamp: the time of recording stands for it");
+  }
+  std::size_t back = 0;
+  double farthest = 0.0;  // [s]
+  for (std::size_t n = 1; n < stamped.size(); ++n) {
+    const double by = stamped[n - 1].first - stamped[n].first;
+    back += by > 0.0 ? 1 : 0;
+    farthest = std::max(farthest, by);
+  }
+  if (back > 0) {
+    notes.push_back(topic.name + ": " + std::to_string(back) + " " + what +
+                    " stamped before what was recorded before, by up to " + number_text(farthest) +
+                    " s: taken in the order of their stamps");
   }
   std::stable_sort(stamped.begin(), stamped.end(),
                    [](const auto& a, const auto& b) { return a.first < b.first; });

@@ -71,8 +71,8 @@ std::string frame_of(const BagFile& bag, const BagTopic& topic);
 
 /// The stamps [s] of the headers, increasing, each with its message; where one is not set, the time
 /// of recording. Those of another frame than the first one's are left out and counted (elements.h).
-/// `notes` say how many of `what`, "images", had no stamp, and how many are left out for the stamp
-/// of another.
+/// `notes` say how many of `what`, "images", had no stamp, one before that of the message before,
+/// and how many are left out for the stamp of another.
 std::vector<std::pair<double, std::size_t>> stamped_messages(const BagFile& bag,
                                                              const BagTopic& topic,
                                                              const std::string& what,

@@ -374,6 +374,14 @@ StereoCalibration calibration_of(const CameraInfo& left, const CameraInfo& right
       throw InputError(*from +
                        ": states no projection matrix (P); expected that of a stereo calibration");
     }
+    const auto& P = info->P;
+    const auto is_small = [&](double value) { return std::abs(value) <= 1e-6 * P[0]; };
+    if (!(P[5] > 0.0) || !is_small(P[1]) || !is_small(P[4]) || !is_small(P[7]) || P[8] != 0.0 ||
+        P[9] != 0.0 || P[10] != 1.0 || P[11] != 0.0) {
+      throw InputError(*from +
+                       ": P is not of the form [fx 0 cx tx; 0 fy cy 0; 0 0 1 0]; expected the "
+                       "projection of a pair side by side");
+    }
   }
   double baseline = left.P[3] / left.P[0] - right.P[3] / right.P[0];
   if (right.P[3] == 0.0 && left.P[3] == 0.0) {
@@ -397,7 +405,7 @@ StereoCalibration calibration_of(const CameraInfo& left, const CameraInfo& right
     out.rectified = true;
     const auto& P = left.P;
     if (std::abs(P[0] - right.P[0]) > 1e-6 * P[0] || std::abs(P[2] - right.P[2]) > 1e-6 * P[0] ||
-        std::abs(P[6] - right.P[6]) > 1e-6 * P[0]) {
+        std::abs(P[5] - right.P[5]) > 1e-6 * P[0] || std::abs(P[6] - right.P[6]) > 1e-6 * P[0]) {
       throw InputError(right_from +
                        ": P has another focal length or principal point than the left one's; "
                        "expected a rectified pair");

@@ -400,6 +400,12 @@ TEST_F(RosBag, WhatChangesOnTheWayIsLeftOutAndCounted) {
        "1 of 4 poses of /odom left out: /odom message 0: a variance of -1 says", kFrames - 1},
       {"/odom", -1, odometry([](ros::Odometry& m) { m.header.stamp = {}; }),
        "/odom: 4 poses without a stamp: the time of recording stands for it"},
+      {"/stereo/left/image_raw", 2,
+       [](BagMessage& m) {
+         change<ros::Image>(m, [](ros::Image& image) { image.header.stamp.sec -= 100; });
+       },
+       "/stereo/left/image_raw: 1 images stamped before what was recorded before, by up to ",
+       kFrames, kFrames - 1},
       {"/stereo/right/camera_info", 0, info([](ros::CameraInfo& m) { m.k = {}, m.p = {}; }),
        "1 of 4 calibrations of /stereo/right/camera_info left out: /stereo/right/camera_info "
        "message 0: K and P are 0"},

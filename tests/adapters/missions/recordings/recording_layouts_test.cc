@@ -610,6 +610,26 @@ TEST_F(Recording, FoldersWithCameraInfo) {
   EXPECT_THAT(follow().notes(), Contains(HasSubstr("calibration from")));
 }
 
+// A multiple of P projects alike, and gives other lengths.
+TEST_F(Recording, PThatIsNotOfARectifiedPairIsRefused) {
+  images("left", "right", ".png", grey);
+  const std::string sound = camera_info("-28.8");
+  const std::string row = "data: [240, 0, 160, -28.8, 0, 240, 120, 0, 0, 0, 1, 0]";
+  StereoDatasetOptions options;
+  options.rectified = true;
+  for (const char* wrong : {"480, 0, 320, -57.6, 0, 480, 240, 0, 0, 0, 2, 0",
+                            "240, 9, 160, -28.8, 0, 240, 120, 0, 0, 0, 1, 0",
+                            "240, 0, 160, -28.8, 0, 240, 120, -28.8, 0, 0, 1, 0",
+                            "240, 0, 160, -28.8, 0, 240, 120, 0, 0, 0, 1, 0.3",
+                            "240, 0, 160, -28.8, 0, 0, 120, 0, 0, 0, 1, 0"}) {
+    std::string text = sound;
+    ASSERT_NE(text.find(row), std::string::npos);
+    text.replace(text.find(row), row.size(), "data: [" + std::string(wrong) + "]");
+    options.calibration = write("a.yaml", camera_info("0")) + "," + write("b.yaml", text);
+    EXPECT_THAT(refusal(options), HasSubstr("b.yaml: P is not of the form [fx 0 cx tx;")) << wrong;
+  }
+}
+
 TEST_F(Recording, PWithTheOtherSign) {
   images("left", "right", ".png", grey);
   StereoDatasetOptions options;
