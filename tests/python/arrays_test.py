@@ -265,6 +265,28 @@ class ArraysTest(unittest.TestCase):
         for more in ({"range": [1.0, 0.0]}, {"survival": [0.5, 1.1]}, {"survival": [-0.1, 0.5]}):
             with self.assertRaisesRegex(ValueError, f"^{next(iter(more))}: holds .*; expected"):
                 position(**more)
+        skewed = np.eye(3)
+        skewed[0, 1] = 0.5
+        for more, said in (
+            ({"covariance": [np.eye(3), skewed]}, "covariance: 1: is not symmetric"),
+            ({"covariance": [-np.eye(3), np.eye(3)]}, "covariance: 0: has a variance of -1"),
+            ({"direction": [[1, 0, 0], [0, 0, 0]]}, "direction: 1 is 0"),
+            ({"feature_density": -1.0}, "feature_density: is -1"),
+        ):
+            with self.assertRaisesRegex(ValueError, f"^{said}.*; expected"):
+                position(**more)
+        for more, said in (
+            ({"covariance": np.diag([1, 1, 0, -1e-3])}, "covariance: has a variance of -0.001"),
+            ({"covariance": np.arange(16.0).reshape(4, 4)}, "covariance: is not symmetric"),
+            ({"velocity": [1e6, 0, 0, 0]}, "velocity: is 1000000"),
+            ({"command": [0, 0, 0, 360.0]}, "command: is 360"),
+            ({"tracked_features": -1}, "tracked_features: is -1"),
+        ):
+            with self.assertRaisesRegex(ValueError, f"^{said}.*; expected"):
+                belief(**more)
+        belief(covariance=np.diag([1.0, 1.0, 0.0, 0.5]))
+        with self.assertRaisesRegex(ValueError, "stamp: is nan; expected"):
+            prospect.Belief(MAPS, POSE, stamp=NAN)
 
     def test_what_functions_in_python_give_is_held_to_the_same(self):
         def cost(z):

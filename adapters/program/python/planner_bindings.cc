@@ -2,6 +2,7 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -134,6 +135,29 @@ void check_between(const std::optional<Numbers>& numbers, double low, double hig
   }
 }
 
+/// Throws unless it is symmetric and no variance in it is negative, up to rounding.
+template <typename Matrix>
+void check_covariance(const Matrix& covariance, const std::string& name) {
+  const double rounding = 1e-9 * covariance.cwiseAbs().maxCoeff();
+  const bool symmetric = (covariance - covariance.transpose()).cwiseAbs().maxCoeff() <= rounding;
+  const Eigen::SelfAdjointEigenSolver<Matrix> values(covariance, Eigen::EigenvaluesOnly);
+  if (symmetric && values.eigenvalues().minCoeff() >= -rounding) return;
+  throw std::invalid_argument(
+      name +
+      (symmetric ? ": has a variance of " + std::to_string(values.eigenvalues().minCoeff())
+                 : std::string(": is not symmetric")) +
+      "; expected a covariance");
+}
+
+/// Throws for what no robot does, as a number in another unit.
+void check_speed(const Twist& twist, const std::string& name) {
+  constexpr double kFastest = 100.0;  // [m/s], [rad/s]
+  const double most = std::max(twist.linear.norm(), std::abs(twist.yaw_rate));
+  if (most <= kFastest) return;
+  throw std::invalid_argument(name + ": is " + std::to_string(most) +
+                              "; expected m/s and rad/s, at most 100");
+}
+
 std::shared_ptr<LandmarkMap> make_landmarks(const ArrayLike& positions,
                                             const std::optional<ArrayLike>& covariances,
                                             const std::optional<ArrayLike>& directions,
@@ -152,6 +176,10 @@ std::shared_ptr<LandmarkMap> make_landmarks(const ArrayLike& positions,
   const auto survival = numbers(survivals, {L}, "survival");
   check_between(range, 1e-9, 1e9, "range", "distances above 0 m");
   check_between(survival, 0.0, 1.0, "survival", "shares from 0 to 1");
+  if (!(feature_density >= 0.0) || !std::isfinite(feature_density)) {
+    throw std::invalid_argument("feature_density: is " + std::to_string(feature_density) +
+                                "; expected 0 or more features a square metre");
+  }
   auto map = std::make_shared<LandmarkMap>();
   map->feature_density = feature_density;
   for (py::ssize_t n = 0; n < L; ++n) {
@@ -160,9 +188,15 @@ std::shared_ptr<LandmarkMap> make_landmarks(const ArrayLike& positions,
     l.position = Eigen::Map<const Eigen::Vector3d>(position.data(n, 0));
     if (covariance) {
       l.covariance = Eigen::Map<const Eigen::Matrix3d>(covariance->data(n, 0, 0)).transpose();
+      check_covariance(l.covariance, "covariance: " + std::to_string(n));
     }
     if (direction) {
-      l.creation_direction = Eigen::Map<const Eigen::Vector3d>(direction->data(n, 0)).normalized();
+      const Eigen::Vector3d d = Eigen::Map<const Eigen::Vector3d>(direction->data(n, 0));
+      if (!(d.stableNorm() > 1e-9)) {
+        throw std::invalid_argument("direction: " + std::to_string(n) +
+                                    " is 0; expected a direction");
+      }
+      l.creation_direction = d.stableNormalized();
     }
     if (range) l.creation_range = *range->data(n);
     if (survival) l.survival = *survival->data(n);
@@ -185,13 +219,28 @@ std::shared_ptr<Belief> make_belief(const Maps& maps, const ArrayLike& pose, dou
                                     const std::shared_ptr<LandmarkMap>& landmarks,
                                     const std::string& localization, int tracked_features,
                                     const std::optional<ArrayLike>& map_frame) {
+  if (!std::isfinite(stamp)) {
+    throw std::invalid_argument("stamp: is " + std::to_string(stamp) +
+                                "; expected seconds, finite");
+  }
+  if (tracked_features < 0) {
+    throw std::invalid_argument("tracked_features: is " + std::to_string(tracked_features) +
+                                "; expected 0 or more");
+  }
   auto b = std::make_shared<Belief>();
   b->set_stamps(stamp);
   const Eigen::VectorXd p = vector_of(pose, 4, "pose");
   b->pose = {p.head<3>(), p[3]};
-  if (covariance) b->covariance = transposed(*covariance, 4, 4, "covariance").transpose();
+  if (covariance) {
+    b->covariance = transposed(*covariance, 4, 4, "covariance").transpose();
+    check_covariance(b->covariance, "covariance");
+  }
   b->twist = twist_of(velocity, "velocity");
-  if (command) b->command = twist_of(*command, "command");
+  check_speed(b->twist, "velocity");
+  if (command) {
+    b->command = twist_of(*command, "command");
+    check_speed(*b->command, "command");
+  }
   const std::vector<std::string> names = {"ok", "degraded", "lost"};
   std::size_t n = 0;
   while (n < names.size() && names[n] != localization) ++n;
