@@ -3,16 +3,22 @@
 #include <octomap/OcTree.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <cstdlib>
+#include <ctime>
+#include <filesystem>
 #include <fstream>
 #include <functional>
 #include <limits>
+#include <map>
 #include <memory>
 #include <optional>
 #include <set>
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -495,54 +501,164 @@ double peak_memory() {
   return megabytes;
 }
 
-// Each end of each range alone: what is read and judged together can be planned with, in a memory
-// that follows what is known, or is refused in one line.
-TEST(KnobTable, WithEachEndOfItsRangeAStepIsPlannedOrItIsRefused) {
-  const double before = (peak_memory(), peak_memory());
-  int planned = 0, refused = 0;
-  std::set<std::string> seen;
-  for (const Part& part : parts()) {
-    if (!part.at.starts_with("planner") && !part.at.starts_with("robot") &&
-        part.at != "mission.end" && part.at != "perception") {
-      continue;
+/// Whether a planner has a part in it, and of perception what it sees of it.
+bool is_planned_with(const Part& part, const Knob& knob) {
+  if (!is_number(knob) || knob.path == "planner.threads") return false;
+  if (part.at == "perception") {
+    return knob.path == "perception.mapping.resolution" || knob.name == "z_min" ||
+           knob.name == "z_max";
+  }
+  return part.at.starts_with("planner") || part.at.starts_with("robot") || part.at == "mission.end";
+}
+
+/// "KEY=VALUE" of the ends of its range.
+std::vector<std::string> ends_of(const Knob& knob) {
+  std::vector<std::string> ends;
+  for (const double end : {knob.min, knob.max}) {
+    if (!std::isfinite(end)) continue;
+    std::string text = exact_text(end);
+    if (knob.kind == Kind::kNumbers) text = "[" + text + ", " + text + ", " + text + "]";
+    ends.push_back(knob.path + "=" + text);
+  }
+  return ends;
+}
+
+/// Steps that are planned with settings, or settings that are refused.
+class Tries {
+ public:
+  /// What is read and judged together can be planned with, in a memory that follows what is known
+  /// and in bounded time, or is refused in one line.
+  void operator()(const Part& part, std::vector<std::string> settings) {
+    std::string trace = part.at;
+    bool polished = false;
+    for (const std::string& setting : settings) {
+      trace += " " + setting;
+      polished = polished || setting.starts_with("planner.polished=");
     }
-    for (const Knob& knob : knobs_of(part, configuration_of(part))) {
-      // Of perception, what the planner has a part in.
-      if (part.at == "perception" && knob.path != "perception.mapping.resolution" &&
-          knob.name != "z_min" && knob.name != "z_max") {
-        continue;
+    SCOPED_TRACE(trace);
+    // As few seeds are polished as can be: what is cheap at each end is not looked at.
+    if (!polished) settings.push_back("planner.polished=0");
+    Configuration c;
+    const std::string said = refusal([&] {
+      c = configuration_of(part, settings);
+      check_drives(c);
+    });
+    if (!said.empty()) {
+      ++refused;
+      // A line for each that does not fit.
+      std::istringstream lines(said);
+      for (std::string line; std::getline(lines, line);) {
+        EXPECT_THAT(line, HasSubstr("; expected "));
       }
-      if (!is_number(knob) || knob.path == "planner.threads") continue;
-      for (const double end : {knob.min, knob.max}) {
-        if (!std::isfinite(end)) continue;
-        std::string text = exact_text(end);
-        if (knob.kind == Kind::kNumbers) text = "[" + text + ", " + text + ", " + text + "]";
-        // As few seeds are polished as can be: what is cheap at each end is not looked at.
-        std::vector<std::string> settings{knob.path + "=" + text};
-        if (knob.path != "planner.polished") settings.push_back("planner.polished=0");
-        SCOPED_TRACE(part.at + " " + settings.front());
-        Configuration c;
-        const std::string said = refusal([&] { c = configuration_of(part, settings); });
-        if (!said.empty()) {
-          ++refused;
-          // A line for each that does not fit.
-          std::istringstream lines(said);
-          for (std::string line; std::getline(lines, line);) {
-            EXPECT_THAT(line, HasSubstr("; expected "));
-          }
+      return;
+    }
+    ++planned;
+    const std::clock_t begun = std::clock();
+    Planner planner(c.robot, c.planner, SolverRegistry().make("nlopt"));
+    const Plan plan = planner.plan(tiny_belief(c.perception.mapping.resolution));
+    EXPECT_EQ(plan.fault, PlanFault::kNone) << plan.detail;
+    EXPECT_EQ(planner.step()->landmarks.empty(), c.planner.max_landmarks == 0);
+    constexpr double kMostSeconds = 10.0, kMostMegabytes = 500.0;
+    EXPECT_LT(static_cast<double>(std::clock() - begun) / CLOCKS_PER_SEC, kMostSeconds);
+    EXPECT_LT(peak_memory() - before_, kMostMegabytes);
+  }
+  int planned = 0, refused = 0;
+
+ private:
+  const double before_ = (peak_memory(), peak_memory());
+};
+
+TEST(KnobTable, WithEachEndOfItsRangeAStepIsPlannedOrItIsRefused) {
+  Tries tries;
+  for (const Part& part : parts()) {
+    for (const Knob& knob : knobs_of(part, configuration_of(part))) {
+      if (!is_planned_with(part, knob)) continue;
+      for (const std::string& end : ends_of(knob)) tries(part, {end});
+    }
+  }
+  EXPECT_GT(tries.planned, 200);
+  EXPECT_LT(tries.refused, 60);
+}
+
+/// Names that the code uses together: those of each function of the engine and the models. They
+/// are knobs of the same arithmetic, or may be.
+std::vector<std::set<std::string>> used_together(const std::set<std::string>& names) {
+  namespace fs = std::filesystem;
+  std::set<fs::path> files;
+  for (const char* room : {"engine", "models"}) {
+    for (const auto& entry :
+         fs::recursive_directory_iterator(std::string(PROSPECT_SOURCE_DIR) + "/" + room)) {
+      const std::string name = entry.path().filename();
+      if (name.ends_with(".cc") && !name.ends_with("_knobs.cc")) files.insert(entry.path());
+    }
+  }
+  std::vector<std::set<std::string>> groups;
+  for (const fs::path& path : files) {
+    std::ifstream file(path);
+    std::set<std::string> used;
+    for (std::string line; std::getline(file, line);) {
+      std::string word;
+      for (const char c : line.substr(0, line.find("//")) + ' ') {
+        if (std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_') {
+          word += c;
           continue;
         }
-        ++planned;
-        Planner planner(c.robot, c.planner, SolverRegistry().make("nlopt"));
-        const Plan plan = planner.plan(tiny_belief(c.perception.mapping.resolution));
-        EXPECT_EQ(plan.fault, PlanFault::kNone) << plan.detail;
-        EXPECT_EQ(planner.step()->landmarks.empty(), c.planner.max_landmarks == 0);
-        EXPECT_LT(peak_memory() - before, 500.0);
+        if (names.contains(word)) used.insert(word);
+        word.clear();
+      }
+      if (!line.starts_with('}')) continue;
+      if (used.size() > 1) groups.push_back(used);
+      used.clear();
+    }
+  }
+  return groups;
+}
+
+// Two knobs at ends of their ranges that a function uses together: a sample of them, the same each
+// time. PROSPECT_KNOB_PAIRS=N: each Nth pair of ends; 1: all (10 minutes).
+TEST(KnobTable, WithTwoEndsThatShareArithmeticAStepIsPlannedOrTheyAreRefused) {
+  std::map<std::string, std::vector<std::pair<Part, Knob>>> by_name;
+  std::set<std::string> names;
+  for (const Part& part : parts()) {
+    for (const Knob& knob : knobs_of(part, configuration_of(part))) {
+      if (!is_planned_with(part, knob)) continue;
+      by_name[knob.name].emplace_back(part, knob);
+      names.insert(knob.name);
+    }
+  }
+  std::set<std::pair<std::string, std::string>> pairs;
+  for (const std::set<std::string>& group : used_together(names)) {
+    for (const std::string& a : group) {
+      for (const std::string& b : group) {
+        if (a < b) pairs.emplace(a, b);
       }
     }
   }
-  EXPECT_GT(planned, 200);
-  EXPECT_LT(refused, 60);
+  const auto is_pair = [&](const char* a, const char* b) { return pairs.contains({a, b}); };
+  EXPECT_TRUE(is_pair("N", "dt") && is_pair("max_range", "resolution")) << pairs.size();
+  const char* const asked = std::getenv("PROSPECT_KNOB_PAIRS");
+  constexpr int kEvery = 97;
+  const int every = asked != nullptr ? std::max(1, std::atoi(asked)) : kEvery;
+  Tries tries;
+  int number = 0;
+  for (const auto& [a, b] : pairs) {
+    for (const auto& [part_a, knob_a] : by_name.at(a)) {
+      for (const auto& [part_b, knob_b] : by_name.at(b)) {
+        // One robot has one shape and one model.
+        if (part_a.at == part_b.at && part_a.settings != part_b.settings) continue;
+        Part both = part_a;
+        both.settings.insert(both.settings.end(), part_b.settings.begin(), part_b.settings.end());
+        for (const std::string& end_a : ends_of(knob_a)) {
+          for (const std::string& end_b : ends_of(knob_b)) {
+            if (number++ % every == 0) tries(both, {end_a, end_b});
+          }
+        }
+      }
+    }
+  }
+  RecordProperty("pairs", number);
+  EXPECT_GT(tries.planned, 10);
+  EXPECT_GT(tries.refused, 1);
 }
 
 // Two that share arithmetic: the keys, the numbers, and what would fit.
