@@ -530,6 +530,7 @@ class Tries {
   /// and in bounded time, or is refused in one line.
   void operator()(const Part& part, std::vector<std::string> settings) {
     std::string trace = part.at;
+    const bool alone = settings.size() == 1;
     bool polished = false;
     for (const std::string& setting : settings) {
       trace += " " + setting;
@@ -557,7 +558,10 @@ class Tries {
     Planner planner(c.robot, c.planner, SolverRegistry().make("nlopt"));
     const Plan plan = planner.plan(tiny_belief(c.perception.mapping.resolution));
     EXPECT_EQ(plan.fault, PlanFault::kNone) << plan.detail;
-    EXPECT_EQ(planner.step()->landmarks.empty(), c.planner.max_landmarks == 0);
+    // Two may leave nothing that can be seen.
+    if (alone) {
+      EXPECT_EQ(planner.step()->landmarks.empty(), c.planner.max_landmarks == 0);
+    }
     constexpr double kMostSeconds = 10.0, kMostMegabytes = 500.0;
     EXPECT_LT(static_cast<double>(std::clock() - begun) / CLOCKS_PER_SEC, kMostSeconds);
     EXPECT_LT(peak_memory() - before_, kMostMegabytes);
