@@ -456,7 +456,7 @@ cat >expressions.json <<'END'
 END
 succeeds "solve expressions" solve expressions.json --solver nlopt --clock cpu --json
 [[ "$(grep -E '"(stop_reason|quality)"' out.txt | tr -d ' ",' | tr '\n' ' ')" == \
-  "stop_reason:unbounded quality:feasible stop_reason:converged quality:feasible optimum " ]] ||
+  "stop_reason:unbounded quality:feasible stop_reason:converged quality:feasibleoptimum " ]] ||
   fail "solve expressions: $(grep -E '"(stop_reason|quality)"' out.txt)"
 (($(grep -c '"cpu_ms": ' out.txt) == 2)) || fail "solve --clock cpu: no times of the processor"
 # No time is no missing library.

@@ -203,6 +203,27 @@ int compare(const BenchArguments& arguments) {
   return kDone;
 }
 
+/// Says what went wrong in a bench that is whole: its exit code.
+int end_of(const BenchTable& table, bool publish) {
+  std::set<std::string> told;
+  bool any = false;
+  for (const BenchRow& row : table.rows) {
+    any |= row.solved;
+    const std::string& solver = table.solver_of(row);
+    if (row.supported && row.stop == StopReason::kError && told.insert(solver).second) {
+      std::cerr << "prospect: " << solver << ": " << row.detail << '\n';
+    }
+  }
+  if (const std::string busy = busy_sentence(table); !busy.empty()) {
+    std::cerr << "prospect: " << busy << '\n';
+    if (publish && table.clock == SolveClock::kWall) {
+      std::cerr << "prospect: --publish: not to be published\n";
+      return kFailed;
+    }
+  }
+  return any ? kDone : kFailed;
+}
+
 int bench(const BenchArguments& arguments, const Registries& registries, SignalGuard& signals) {
   if (!arguments.sets.empty() && arguments.sets.front() == "merge")
     return merge(arguments, signals);
@@ -307,23 +328,7 @@ int bench(const BenchArguments& arguments, const Registries& registries, SignalG
               << " problems are in " << out << "; --resume goes on\n";
     return kCancelled;
   }
-  std::set<std::string> told;
-  bool any = false;
-  for (const BenchRow& row : table.rows) {
-    any |= row.solved;
-    const std::string& solver = table.solver_of(row);
-    if (row.supported && row.stop == StopReason::kError && told.insert(solver).second) {
-      std::cerr << "prospect: " << solver << ": " << row.detail << '\n';
-    }
-  }
-  if (const std::string busy = busy_sentence(table); !busy.empty()) {
-    std::cerr << "prospect: " << busy << '\n';
-    if (arguments.publish && table.clock == SolveClock::kWall) {
-      std::cerr << "prospect: --publish: not to be published\n";
-      return kFailed;
-    }
-  }
-  return any ? kDone : kFailed;
+  return end_of(table, arguments.publish);
 }
 
 }  // namespace

@@ -8,10 +8,9 @@ void describe(Knobs& knobs, GazeboOptions& o) {
   knobs.number("timeout", o.address.timeout, {0.1, 600.0}, "s", "to wait for its greeting");
   knobs.integer("depth_width", o.depth_width, {16, 4096}, "px",
                 "of the depth image; its height follows from the field of view");
-  knobs.number(
-      "image_noise", o.image_noise, {0.0, 50.0}, "",
-      "added to the grey levels that Gazebo renders, one standard deviation; 0: the world's "
-      "cameras have noise of their own");
+  knobs.number("image_noise", o.image_noise, {0.0, 50.0}, "grey levels",
+               "added to what Gazebo renders, one standard deviation; 0: the world's "
+               "cameras have noise of their own");
   knobs.number("wheel_radius", o.wheel_radius, {0.001, 10.0}, "m", "of the driven wheels");
   knobs.number("wheel_separation", o.wheel_separation, {0.001, 10.0}, "m",
                "between the middles of the driven wheels");

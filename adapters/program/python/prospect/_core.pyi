@@ -361,6 +361,7 @@ class Belief:
         landmarks: Optional[Landmarks] = None,
         localization: str = "ok",
         tracked_features: int = 0,
+        map_frame: Optional[ArrayLike] = None,
     ) -> None: ...
     @property
     def stamp(self) -> float: ...
@@ -376,6 +377,8 @@ class Belief:
     def localization(self) -> str: ...
     @property
     def tracked_features(self) -> int: ...
+    @property
+    def map_frame(self) -> Optional[_Array]: ...  # (3,)
     @property
     def ground(self) -> _Cells: ...  # (ny, nx)
     @property

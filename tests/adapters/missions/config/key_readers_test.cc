@@ -135,6 +135,9 @@ void add_simulator(Text& text, const Configuration& c) {
   add_world(text, c);
   text.add(static_cast<int>(o.sensors)), text.add(o.depth_rate), text.add(o.image_rate);
   text.add_all(o.actuation), text.add_all(o.depth);
+  for (const ScheduledCorrection& k : o.corrections) {
+    text.add(k.time), text.add(k.x), text.add(k.y), text.add(k.yaw);
+  }
   text.add_all(mapping_options(o, c.perception.mapping));
   text.add_all(c.perception.feature_density);
   text.add(c.map);
@@ -244,6 +247,7 @@ std::vector<std::string> other_values(const ConfigEntry& e) {
       {"planner.solver", {"nlopt:LN_BOBYQA"}},
       {"robot.model", {"multirotor"}},
       {"robot.motion.v_min", {"-3"}},
+      {"simulator.corrections", {"[5, 1, 0, 10]"}},
       {"robot.motion.vx_min", {"-3"}},
       {"world.floor", {"1.5"}},
       {"world.start", {"[1, 2, 3]"}},

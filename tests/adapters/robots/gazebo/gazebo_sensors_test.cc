@@ -38,7 +38,9 @@ TEST(GazeboSensors, PutsPairsAndDepthsIntoTheInbox) {
   own_clock.cameras_in_runtime_clock = true;
   own_clock.depth_in_runtime_clock = true;
   SensorInbox inbox(clock, own_clock);
-  const GazeboSensors sensors(gazebo.options(), clock, inbox);
+  GazeboOptions options = gazebo.options();
+  options.image_noise = 0.0;
+  const GazeboSensors sensors(options, clock, inbox);
   ASSERT_TRUE(soon([&] {
     return gazebo.subscribers(kStereo) == 1 && gazebo.subscribers(kDepth) == 1 &&
            sensors.connected();
