@@ -73,6 +73,7 @@ class CameraRig {
 
   const CameraRigOptions& options() const { return options_; }
   const PinholeCamera& depth_camera() const { return depth_camera_; }
+  const std::shared_ptr<const SceneRenderer>& scene() const { return scene_; }
 
  private:
   Image image(const Eigen::Isometry3d& T_WC, const Twist& twist, std::uint64_t frame,

@@ -38,19 +38,18 @@ CameraRigOptions rig_of(const SimulatorOptions& options) {
   return rig;
 }
 
-/// Of the depth cameras besides the first, by their number.
-std::map<int, CameraRig> more_rigs(const std::shared_ptr<const SceneRenderer>& scene,
-                                   const SimulatorOptions& options) {
+/// Of the depth cameras besides the first, in its scene, by their number.
+std::map<int, CameraRig> more_rigs(const CameraRig& first, const SimulatorOptions& options) {
   std::map<int, CameraRig> rigs;
   int number = 0;
   for (const DepthSensor& sensor : options.more_depth) {
     ++number;
     if (!is_rendered(sensor.footprint)) continue;
-    CameraRigOptions rig = rig_of(options);
+    CameraRigOptions rig = first.options();
     rig.footprint = sensor.footprint;
     rig.depth_mount = sensor.mount;
     rig.seed = mixed_bits(rig.seed + static_cast<std::uint64_t>(number));
-    rigs.emplace(number, CameraRig(scene, rig));
+    rigs.emplace(number, CameraRig(first.scene(), rig));
   }
   return rigs;
 }
@@ -70,17 +69,14 @@ PerceptionOptions perception_of(const SimulatorOptions& options, PerceptionOptio
                                 const PinholeCamera& depth_camera,
                                 const std::map<int, CameraRig>& more, const Pose& start) {
   perception.stereo_mount = options.stereo_mount;
-  perception.depth_camera = {depth_camera, options.depth_mount};
   perception.depth_mapping.range = {options.depth.footprint.min_range,
                                     options.depth.footprint.max_range};
+  // The map may reach farther than the first camera.
+  perception.depth_camera = {depth_camera, options.depth_mount, perception.depth_mapping.range};
   for (const auto& [sensor, rig] : more) {
     const RgbdFootprint& f = rig.options().footprint;
     perception.more_depth_cameras[sensor] = {rig.depth_camera(), rig.options().depth_mount,
                                              DepthRange{f.min_range, f.max_range}};
-  }
-  // The map reaches farther than the first camera.
-  if (!options.more_depth.empty()) {
-    perception.depth_camera->range = perception.depth_mapping.range;
   }
   perception.start = start;
   return perception;
@@ -101,7 +97,7 @@ CameraSensors::CameraSensors(const World& world, const SimulatorOptions& options
                              const std::vector<Disc>& known_free)
     : options_(options),
       rig_(scene_of(world, options), rig_of(options)),
-      more_(more_rigs(scene_of(world, options), options)),
+      more_(more_rigs(rig_, options)),
       looking_(depth_cameras(world, options)),
       has_wheels_(perception.wheels),
       perception_(believed(options),
