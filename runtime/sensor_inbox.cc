@@ -279,55 +279,48 @@ void SensorInbox::depth(double stamp, DepthImage image) {
   add(DepthFrame{stamp, std::make_shared<const DepthImage>(std::move(image))});
 }
 
-template <class Frame>
-void SensorInbox::add_of_sensor(SensorStream kind, Frame frame, bool empty,
-                                Frame NewestRanges::*newest, Frame NewestRanges::*before) {
+std::optional<SensorInbox::RangeSource> SensorInbox::range_source(SensorStream kind, int sensor) {
+  if (sensor < 0 || sensor >= kMostDepthSensors) {
+    drop(at(kind).count, &StreamCount::refused,
+         "it is of sensor " + std::to_string(sensor) + "; expected 0 to " +
+             std::to_string(kMostDepthSensors - 1));
+    return std::nullopt;
+  }
+  if (sensor == 0) return RangeSource{at(kind), offset_of(kind), ranges_};
+  const bool in_runtime_clock = kind == SensorStream::kDepth ? options_.depth_in_runtime_clock
+                                                             : options_.scan_in_runtime_clock;
+  const auto [found, is_new] = sensors_.try_emplace(
+      sensor, Sensor{{}, ClockOffset(clock_of(in_runtime_clock, options_.clock_drift)), {}, kind});
+  Sensor& of = found->second;
+  return RangeSource{of.stream, of.clock, of.ranges};
+}
+
+template <class Frame, class Content>
+void SensorInbox::add_ranges(SensorStream kind, Frame frame, Content Frame::*content,
+                             const char* empty, Frame NewestRanges::*newest,
+                             Frame NewestRanges::*before) {
   {
     const std::lock_guard lock(mutex_);
-    if (frame.sensor < 0 || frame.sensor >= kMostDepthSensors) {
-      return drop(at(kind).count, &StreamCount::refused,
-                  "it is of sensor " + std::to_string(frame.sensor) + "; expected 0 to " +
-                      std::to_string(kMostDepthSensors - 1));
-    }
-    const bool in_runtime_clock = kind == SensorStream::kDepth ? options_.depth_in_runtime_clock
-                                                               : options_.scan_in_runtime_clock;
-    const auto [at, is_new] = sensors_.try_emplace(
-        frame.sensor,
-        Sensor{{}, ClockOffset(clock_of(in_runtime_clock, options_.clock_drift)), {}, kind});
-    Sensor& sensor = at->second;
-    const std::optional<double> at_capture =
-        shifted(sensor.stream.count, sensor.clock, frame.stamp);
+    const std::optional<RangeSource> source = range_source(kind, frame.sensor);
+    if (!source) return;
+    StreamCount& count = source->stream.count;
+    const std::optional<double> at_capture = shifted(count, source->clock, frame.stamp);
     if (!at_capture) return;
-    if (empty) return drop(sensor.stream.count, &StreamCount::refused, "the frame is empty");
+    if (*empty != 0) return drop(count, &StreamCount::refused, empty);
     frame.stamp = *at_capture;
-    if ((sensor.ranges.*newest).stamp <= frame.stamp) {
-      sensor.ranges.*before = std::exchange(sensor.ranges.*newest, frame);
+    Frame& last = source->ranges.*newest;
+    if (!(last.*content) || frame.stamp >= last.stamp) {
+      source->ranges.*before = std::exchange(last, frame);
     }
-    put(sensor.stream, options_.capacity, std::move(frame));
+    put(source->stream, options_.capacity, std::move(frame));
   }
   came_.notify_one();
 }
 
 void SensorInbox::add(DepthFrame frame) {
-  if (frame.sensor != 0) {
-    const bool empty = !frame.image || !frame.image->whole();
-    return add_of_sensor(SensorStream::kDepth, std::move(frame), empty, &NewestRanges::depth,
-                         &NewestRanges::depth_before);
-  }
-  {
-    const std::lock_guard lock(mutex_);
-    const std::optional<double> at_capture = shifted(SensorStream::kDepth, frame.stamp);
-    if (!at_capture) return;
-    if (!frame.image || !frame.image->whole()) {
-      return drop(at(SensorStream::kDepth).count, &StreamCount::refused, "the image is empty");
-    }
-    frame.stamp = *at_capture;
-    if (!ranges_.depth.image || frame.stamp >= ranges_.depth.stamp) {
-      ranges_.depth_before = std::exchange(ranges_.depth, frame);
-    }
-    put(SensorStream::kDepth, std::move(frame));
-  }
-  came_.notify_one();
+  const bool whole = frame.image && frame.image->whole();
+  add_ranges(SensorStream::kDepth, std::move(frame), &DepthFrame::image,
+             whole ? "" : "the image is empty", &NewestRanges::depth, &NewestRanges::depth_before);
 }
 
 void SensorInbox::scan(double stamp, DepthScan in_B, std::shared_ptr<const Pose> pose) {
@@ -335,25 +328,9 @@ void SensorInbox::scan(double stamp, DepthScan in_B, std::shared_ptr<const Pose>
 }
 
 void SensorInbox::add(ScanFrame frame) {
-  if (frame.sensor != 0) {
-    const bool empty = !frame.in_B;
-    return add_of_sensor(SensorStream::kScan, std::move(frame), empty, &NewestRanges::scan,
-                         &NewestRanges::scan_before);
-  }
-  {
-    const std::lock_guard lock(mutex_);
-    const std::optional<double> at_capture = shifted(SensorStream::kScan, frame.stamp);
-    if (!at_capture) return;
-    if (!frame.in_B) {
-      return drop(at(SensorStream::kScan).count, &StreamCount::refused, "the scan is empty");
-    }
-    frame.stamp = *at_capture;
-    if (!ranges_.scan.in_B || frame.stamp >= ranges_.scan.stamp) {
-      ranges_.scan_before = std::exchange(ranges_.scan, frame);
-    }
-    put(SensorStream::kScan, std::move(frame));
-  }
-  came_.notify_one();
+  const bool whole = frame.in_B != nullptr;
+  add_ranges(SensorStream::kScan, std::move(frame), &ScanFrame::in_B,
+             whole ? "" : "the scan is empty", &NewestRanges::scan, &NewestRanges::scan_before);
 }
 
 void SensorInbox::add(ExternalPose pose) {

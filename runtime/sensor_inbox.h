@@ -184,10 +184,18 @@ class SensorInbox final : public FrameSink {
   void pair_up(SensorStream stream);
   void put(SensorStream stream, SensorFrame frame);
   void put(Stream& to, int capacity, SensorFrame frame);
-  /// Of a sensor from 1 on.
-  template <class Frame>
-  void add_of_sensor(SensorStream kind, Frame frame, bool empty, Frame NewestRanges::*newest,
-                     Frame NewestRanges::*before);
+  /// Where the ranges of a depth sensor go.
+  struct RangeSource {
+    Stream& stream;
+    ClockOffset& clock;
+    NewestRanges& ranges;
+  };
+  /// None, counted: there is no such sensor.
+  std::optional<RangeSource> range_source(SensorStream kind, int sensor);
+  /// empty: why the frame is refused; "": it is not.
+  template <class Frame, class Content>
+  void add_ranges(SensorStream kind, Frame frame, Content Frame::*content, const char* empty,
+                  Frame NewestRanges::*newest, Frame NewestRanges::*before);
   ClockOffset& offset_of(SensorStream stream);
   /// [s] that the runtime's clock is ahead of a stream's; none: not settled.
   std::optional<double> offset(const ClockOffset& clock) const;
