@@ -94,9 +94,9 @@ bool JudgedRounds::judge(const ProblemScale& scale, Result& result) {
   // What has used up its evaluations may have come to where no step helps.
   const bool stuck =
       result.stop == StopReason::kIterationLimit && free && result.quality == Quality::kInfeasible;
-  if (stuck && judgement_of(scale, result).verdict == Verdict::kInfeasible) {
-    result.stop = StopReason::kInfeasible;
-    result.detail += ", no small step lessens the violation";
+  if (stuck) {
+    const Judgement judgement = judgement_of(scale, result);
+    if (judgement.verdict == Verdict::kInfeasible) correct(judgement, result);
   }
   if (ended && result.quality == Quality::kInfeasible && !free) {
     result.stop = StopReason::kInfeasible;

@@ -13,6 +13,7 @@
 #include <system_error>
 #include <utility>
 
+#include "models/one_line.h"
 #include "solvers/evaluator.h"
 #include "solvers/plugin.h"
 
@@ -77,19 +78,12 @@ class GuardedSolver final : public Solver {
   std::vector<OptionInfo> options_;
 };
 
-std::string in_one_line(std::string text) {
-  for (char& c : text) {
-    if (c == '\n' || c == '\r') c = ' ';
-  }
-  return text;
-}
-
 /// dlerror() without the path, which the message has already, in one line.
 std::string reason_of_loader(const std::string& path) {
   const char* text = dlerror();
   std::string reason = text ? text : "no reason given";
   if (reason.starts_with(path + ": ")) reason.erase(0, path.size() + 2);
-  return in_one_line(reason);
+  return one_line(reason);
 }
 
 /// Whether the file ends before its table of sections, which compilers write last. The loader maps
@@ -276,11 +270,11 @@ std::string load_plugin(const std::string& path, const PluginTargets& targets) {
     if (targets.robot) *targets.robot = plugin.robot;
     return plugin.abi.optimized != 0
                ? ""
-               : in_one_line("plug-in '" + path +
-                             "': was compiled without optimisation and is slow; expected a build "
-                             "of type Release");
+               : one_line("plug-in '" + path +
+                          "': was compiled without optimisation and is slow; expected a build "
+                          "of type Release");
   } catch (const std::invalid_argument& e) {
-    throw std::invalid_argument(in_one_line("plug-in '" + path + "': " + e.what()));
+    throw std::invalid_argument(one_line("plug-in '" + path + "': " + e.what()));
   }
 }
 

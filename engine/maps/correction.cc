@@ -8,6 +8,7 @@
 #include "engine/task/moved.h"
 #include "models/body_transform.h"
 #include "models/formatted.h"
+#include "models/one_line.h"
 
 namespace prospect {
 namespace {
@@ -36,13 +37,10 @@ Pose planar(const Eigen::Isometry3d& T) {
   return pose;
 }
 
-/// One line of what others have written.
-std::string one_line(std::string text) {
+/// Of what others have written.
+std::string shown(const std::string& why) {
   constexpr std::size_t kMost = 160;
-  if (text.size() > kMost) text.resize(kMost);
-  std::replace_if(
-      text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < ' '; }, ' ');
-  return text;
+  return one_line(why.substr(0, kMost));
 }
 
 }  // namespace
@@ -105,7 +103,7 @@ Corrections::Answer Corrections::take(const Correction& c, const Pose& robot) {
     ++next.cannot_follow;
   }
   if (answer.verdict != CorrectionVerdict::kTaken) {
-    if (!c.why.empty()) answer.why += " (" + one_line(c.why) + ')';
+    if (!c.why.empty()) answer.why += " (" + shown(c.why) + ')';
     next.refusal = answer.why;
     frame_ = std::make_shared<const MapFrame>(std::move(next));
     return answer;
@@ -120,7 +118,7 @@ Corrections::Answer Corrections::take(const Correction& c, const Pose& robot) {
   taken.distance = (after.position - before.position).head<2>().norm();
   taken.turn = std::remainder(after.yaw - before.yaw, 2.0 * M_PI);
   taken.sigma = position_sigma(c.covariance);
-  taken.why = one_line(c.why);
+  taken.why = shown(c.why);
   next.newest = std::move(taken);
   ++next.taken;
   frame_ = std::make_shared<const MapFrame>(std::move(next));

@@ -36,6 +36,7 @@
 #include "engine/task/zone_map.h"
 #include "engine/terms/builtin_terms.h"
 #include "models/can_move.h"
+#include "models/depth_sensors.h"
 #include "models/formatted.h"
 #include "models/knobs.h"
 #include "models/limited_twist.h"
@@ -52,16 +53,7 @@ constexpr double kTurnsWithin = 0.6;
 void check_sensors(const RobotDescription& robot, const PlannerParameters& p) {
   validate(robot.stereo);
   validate(robot.stereo_mount);
-  const std::vector<DepthSensor> sensors = robot.depth_sensors();
-  if (sensors.size() > static_cast<std::size_t>(kMostDepthSensors)) {
-    throw std::invalid_argument("planner: " + std::to_string(sensors.size()) +
-                                " depth sensors; expected at most " +
-                                std::to_string(kMostDepthSensors));
-  }
-  for (const DepthSensor& sensor : sensors) {
-    validate(sensor.footprint);
-    validate(sensor.mount);
-  }
+  validate("planner", robot.depth_sensors());
   VisibleFeatures(
       std::make_shared<const VisibilityPrediction>(std::vector<Landmark>(), robot.stereo,
                                                    robot.stereo_mount, nullptr, p.visibility),
@@ -243,10 +235,8 @@ class StepTime {
   StopCondition seeds(const StopCondition& stop) const {
     if (!(seconds_ > 0.0)) return {};
     const double half = 0.5 * std::max(0.0, stop.left());
-    return StopCondition([stop, half] {
-      return stop.left() > half || half == StopCondition::kNever ? StopRequest::kNone
-                                                                 : StopRequest::kDeadline;
-    });
+    return StopCondition(
+        [stop, half] { return stop.left() < half ? StopRequest::kDeadline : StopRequest::kNone; });
   }
   /// Whether there is time for what comes after them, or as much as there will be.
   bool suffices() const { return !(seconds_ > 0.0) || Clock::now() <= at(std::max(0.3, left())); }

@@ -9,6 +9,7 @@
 #include "engine/planner/planner_fit.h"
 #include "engine/planner/step_monitors.h"
 #include "models/body_transform.h"
+#include "models/depth_sensors.h"
 
 namespace prospect {
 namespace {
@@ -141,11 +142,7 @@ void specify_exploration(const StepContext& c, ProblemSpecification& s) {
   const std::vector<DepthSensor> sensors = c.robot.depth_sensors();
   s.target_occlusion.attenuation = p.unknown_attenuation;
   s.target_occlusion.trim = 1.5 * c.belief.voxels->resolution();
-  double farthest = 0.0;
-  for (const DepthSensor& sensor : sensors) {
-    farthest = std::max(farthest, sensor.footprint.max_range);
-  }
-  s.target_occlusion.max_range = farthest + 1.0;
+  s.target_occlusion.max_range = longest_range(c.robot.depth.max_range, c.robot.more_depth) + 1.0;
   ExplorationTargetOptions options;
   options.max_targets = p.max_targets;
   if (c.global_plan.target) options.led_to = c.global_plan.target->looks_at;

@@ -27,6 +27,7 @@
 #include "engine/safety/known_ground.h"
 #include "engine/task/body_outline.h"
 #include "models/body_transform.h"
+#include "models/depth_sensors.h"
 #include "models/limited_twist.h"
 
 namespace prospect {
@@ -653,15 +654,7 @@ Certifier::Certifier(const RobotShape& shape, Options options) : options_(option
     throw std::invalid_argument("certifier: max_checks is " + std::to_string(options.max_checks) +
                                 "; expected >= 1");
   }
-  if (options.sensors.size() > static_cast<std::size_t>(kMostDepthSensors)) {
-    throw std::invalid_argument("certifier: " + std::to_string(options.sensors.size()) +
-                                " depth sensors; expected at most " +
-                                std::to_string(kMostDepthSensors));
-  }
-  for (const DepthSensor& sensor : options.sensors) {
-    validate(sensor.footprint);
-    validate(sensor.mount);
-  }
+  validate("certifier", options.sensors);
   auto body = std::make_unique<Body>();
   body->shape = shape;
   body->exact = Body::parts(shape, 0.0);

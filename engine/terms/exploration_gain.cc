@@ -126,11 +126,10 @@ ExplorationGain::ExplorationGain(const ExplorationTargets& targets, std::vector<
   seen_.setZero(mass_.size());
   if (present) {
     FootprintVisibility::Scratch scratch(num_targets());
-    visibility_.front().evaluate(*present, scratch, seen_.data());
-    Eigen::ArrayXd other(seen_.size());
-    for (std::size_t n = 1; n < visibility_.size(); ++n) {
-      visibility_[n].evaluate(*present, scratch, other.data());
-      seen_ += other * (1.0 - seen_);
+    Eigen::ArrayXd one(seen_.size());
+    for (const FootprintVisibility& sensor : visibility_) {
+      sensor.evaluate(*present, scratch, one.data());
+      seen_ += one * (1.0 - seen_);
     }
     if (!seen_.allFinite()) {
       throw std::invalid_argument("exploration gain: the present pose is not finite");

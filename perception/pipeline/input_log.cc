@@ -27,26 +27,23 @@ std::string_view to_string(InputState state) {
 
 std::optional<InputResult> InputLog::objection(InputSource source, double stamp, int sensor) {
   InputCount& own = at(source, sensor);
-  const auto note = [&](InputSource, const InputResult& result) {
-    return this->note(source, result, false, sensor);
-  };
+  const auto refuse = [&](const InputResult& why) { return note(source, why, false, sensor); };
   if (!std::isfinite(stamp)) {
-    return note(source, {InputState::kRefused, "the time is not a number"});
+    return refuse({InputState::kRefused, "the time is not a number"});
   }
   if (own.newest && !(stamp > *own.newest)) {
-    return note(source, left_out(InputState::kLate, "%.3f s is not after the one before, %.3f s",
-                                 stamp, *own.newest));
+    return refuse(left_out(InputState::kLate, "%.3f s is not after the one before, %.3f s", stamp,
+                           *own.newest));
   }
   if (newest_ && stamp < *newest_ - max_age_) {
-    return note(source, left_out(InputState::kLate,
-                                 "%.3f s older than the newest input; expected at most %g s",
-                                 *newest_ - stamp, max_age_));
+    return refuse(left_out(InputState::kLate,
+                           "%.3f s older than the newest input; expected at most %g s",
+                           *newest_ - stamp, max_age_));
   }
   if (newest_ && stamp > *newest_ + max_leap_) {
-    return note(source,
-                left_out(InputState::kRefused,
-                         "%.0f s ahead of the newest input; expected at most %g s, on one clock",
-                         stamp - *newest_, max_leap_));
+    return refuse(left_out(InputState::kRefused,
+                           "%.0f s ahead of the newest input; expected at most %g s, on one clock",
+                           stamp - *newest_, max_leap_));
   }
   own.newest = stamp;
   newest_ = std::max(newest_.value_or(stamp), stamp);

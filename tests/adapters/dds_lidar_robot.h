@@ -11,6 +11,7 @@
 
 #include "adapters/formats/ros/geometry_msgs.h"
 #include "adapters/formats/ros/nav_msgs.h"
+#include "adapters/formats/ros/pose_message.h"
 #include "adapters/formats/ros/sensor_msgs.h"
 #include "adapters/formats/ros/tf2_msgs.h"
 #include "adapters/formats/worlds/world.h"
@@ -144,8 +145,7 @@ class DdsLidarRobot {
     ros::Odometry m;
     m.header = {ros::time_of(now), frames.odom};
     m.child_frame_id = frames.base;
-    m.pose.pose.position = {odom.position.x(), odom.position.y(), 0.0};
-    m.pose.pose.orientation = {0.0, 0.0, std::sin(0.5 * odom.yaw), std::cos(0.5 * odom.yaw)};
+    m.pose.pose = ros::pose_message(odom);
     m.twist.twist.linear.x = twist.linear.x();
     m.twist.twist.angular.z = twist.yaw_rate;
     node_.publish(odometry_, m);

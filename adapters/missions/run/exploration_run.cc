@@ -16,6 +16,7 @@
 #include "adapters/robots/simulator/make_robot.h"
 #include "engine/planner/frontier_planner_options.h"
 #include "engine/task/zone_map.h"
+#include "models/depth_sensors.h"
 #include "models/range_text.h"
 
 namespace prospect {
@@ -43,10 +44,7 @@ ReachableArea reachable_area(const World& world, const Configuration& c) {
       passable.hard_radius - circumscribed_radius(c.robot.shape) - passable.lattice_slack;
   options.free_moves = passable.free_moves;
   options.zones = passable.zones;
-  options.range = c.robot.depth.max_range;
-  for (const DepthSensor& sensor : c.robot.more_depth) {
-    options.range = std::max(options.range, sensor.footprint.max_range);
-  }
+  options.range = longest_range(c.robot.depth.max_range, c.robot.more_depth);
   options.sensor_height = c.robot.base_height() + c.robot.depth_mount.T_BC.translation().z();
   options.map_resolution = c.perception.mapping.resolution;
   return reachable_area(world, options);

@@ -1,7 +1,6 @@
 #include "adapters/missions/run/live_perception.h"
 
-#include <algorithm>
-
+#include "models/depth_sensors.h"
 #include "models/robot_shape.h"
 
 namespace prospect {
@@ -16,25 +15,19 @@ PerceptionOptions live_perception(const Configuration& c, const RangeCameras& de
                                : DepthRange{c.robot.depth.min_range, c.robot.depth.max_range};
   const CameraMount& mount = first != depth.end() ? first->second.mount : c.robot.depth_mount;
   for (const auto& [sensor, camera] : depth) {
+    // The map may reach farther than one of them.
+    const DepthCameraOnBody on_body{camera.camera, camera.mount, camera.range};
     if (sensor == 0) {
-      perception.depth_camera = {camera.camera, mount};
+      perception.depth_camera = on_body;
     } else {
-      perception.more_depth_cameras[sensor] = {camera.camera, camera.mount, camera.range};
+      perception.more_depth_cameras[sensor] = on_body;
     }
   }
   const VerticalExtent slice = c.robot.slice();
   perception.mapping.slice.z_min = slice.z_min;
   perception.mapping.slice.z_max = slice.z_max;
   perception.mapping.slice.sight = c.robot.base_height() + mount.T_BC.translation().z();
-  perception.mapping.max_range = range.max;
-  for (const DepthSensor& sensor : c.robot.more_depth) {
-    perception.mapping.max_range =
-        std::max(perception.mapping.max_range, sensor.footprint.max_range);
-  }
-  // The map reaches farther than the first camera.
-  if (perception.depth_camera && !c.robot.more_depth.empty()) {
-    perception.depth_camera->range = range;
-  }
+  perception.mapping.max_range = longest_range(range.max, c.robot.more_depth);
   perception.depth_mapping.range = range;
   perception.start = start;
   return perception;

@@ -1,7 +1,6 @@
 // The descriptions of options, in a library of their own: reading a configuration builds nothing
 // that acts on them.
 
-#include <algorithm>
 #include <limits>
 #include <string>
 
@@ -13,6 +12,7 @@
 #include "adapters/robots/simulator/odometry_model.h"
 #include "adapters/robots/simulator/simulated_base_options.h"
 #include "adapters/robots/simulator/simulator_options.h"
+#include "models/depth_sensors.h"
 #include "models/formatted.h"
 #include "models/knobs.h"
 
@@ -143,10 +143,7 @@ OccupancyMapperOptions mapping_options(const SimulatorOptions& options,
   mapping.slice.z_min = slice.z_min;
   mapping.slice.z_max = slice.z_max;
   mapping.slice.sight = options.base_height + options.depth_mount.T_BC.translation().z();
-  mapping.max_range = options.depth.footprint.max_range;
-  for (const DepthSensor& sensor : options.more_depth) {
-    mapping.max_range = std::max(mapping.max_range, sensor.footprint.max_range);
-  }
+  mapping.max_range = longest_range(options.depth.footprint.max_range, options.more_depth);
   return mapping;
 }
 

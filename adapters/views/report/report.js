@@ -674,7 +674,7 @@ function draw() {
     }
   }
   if (layers.true) path(column.true_x, column.true_y, step, colors.true, 1.25);
-  if (layers.corrected) drawCorrections();
+  if (layers.corrected && column.corrections[step] > 0) drawCorrections();
   const by = pathColors[pathColor.value];
   if (layers.estimated && by) coloredPath(column.estimated_x, column.estimated_y, step, by);
   else if (layers.estimated) path(column.estimated_x, column.estimated_y, step, colors.estimated, 2);
