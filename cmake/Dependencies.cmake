@@ -8,11 +8,22 @@ find_package(fcl CONFIG REQUIRED)
 find_package(yaml-cpp CONFIG REQUIRED)
 find_package(CLI11 CONFIG REQUIRED)
 find_package(nlohmann_json CONFIG REQUIRED)
-find_package(NLopt CONFIG QUIET)
-pkg_check_modules(IPOPT QUIET IMPORTED_TARGET ipopt)
-set(CMAKE_MESSAGE_LOG_LEVEL NOTICE)  # its SuiteSparse module reports every library it looks at
-find_package(Ceres CONFIG QUIET)
-unset(CMAKE_MESSAGE_LOG_LEVEL)
+# Debian's builds of these join parts under the GPL, CPL, CeCILL-C and LGPL: NOTICE, scripts/licences.
+# GPL leaves out Ipopt alone: its CPL lets nobody hand on a program that is under the GPL, too.
+set(PROSPECT_COPYLEFT ON CACHE STRING
+  "Parts under copyleft. ON: NLopt, Ceres, OpenCV's codecs of images and Ipopt; GPL: without Ipopt; OFF: none")
+if(NOT PROSPECT_COPYLEFT MATCHES "^(ON|GPL|OFF)$")
+  message(FATAL_ERROR "PROSPECT_COPYLEFT: '${PROSPECT_COPYLEFT}'; expected ON, GPL or OFF")
+endif()
+if(NOT PROSPECT_COPYLEFT STREQUAL "OFF")
+  find_package(NLopt CONFIG QUIET)
+  if(PROSPECT_COPYLEFT STREQUAL "ON")
+    pkg_check_modules(IPOPT QUIET IMPORTED_TARGET ipopt)
+  endif()
+  set(CMAKE_MESSAGE_LOG_LEVEL NOTICE)  # its SuiteSparse module reports every library it looks at
+  find_package(Ceres CONFIG QUIET)
+  unset(CMAKE_MESSAGE_LOG_LEVEL)
+endif()
 # What pictures of the world need: without it the simulator has no camera tier, and says so.
 find_package(embree 3 CONFIG QUIET)
 # What mesh files need: without them such worlds are refused, and say so.

@@ -1,10 +1,12 @@
-# prospect_embed(TARGET NAMESPACE name=file...): compiles the bytes of each file into TARGET. Each
+# prospect_embed(TARGET NAMESPACE name=file...): compiles the bytes of each file into TARGET; of several, name=A|B,
+# one behind the other, such as the licence of a library before it. Each
 # becomes a function `std::string_view NAME();` in namespace prospect::NAMESPACE, which a header of
 # the target declares.
 function(prospect_embed target namespace)
   set(files)
   foreach(entry ${ARGN})
     string(REGEX REPLACE "^[^=]*=" "" file "${entry}")
+    string(REPLACE "|" ";" file "${file}")
     list(APPEND files ${file})
   endforeach()
   set(output ${CMAKE_CURRENT_BINARY_DIR}/${namespace}.cc)
@@ -23,7 +25,12 @@ if(CMAKE_SCRIPT_MODE_FILE)
   foreach(entry ${ENTRIES})
     string(REGEX MATCH "^[^=]*" name "${entry}")
     string(REGEX REPLACE "^[^=]*=" "" file "${entry}")
-    file(READ "${file}" hex HEX)
+    string(REPLACE "|" ";" parts "${file}")
+    set(hex "")
+    foreach(part ${parts})
+      file(READ "${part}" text HEX)
+      string(APPEND hex ${text})
+    endforeach()
     string(REGEX REPLACE "(................................)" "\\1\n" hex "${hex}")
     string(REGEX REPLACE "([0-9a-f][0-9a-f])" "0x\\1," hex "${hex}")
     string(APPEND source "\nstd::string_view ${name}();\nstd::string_view ${name}() {\n"

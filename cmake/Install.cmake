@@ -7,6 +7,8 @@
 #   find_package(prospect CONFIG REQUIRED COMPONENTS robot)
 #   target_link_libraries(controller PRIVATE prospect::robot)
 include(CMakePackageConfigHelpers)
+install(FILES LICENSE NOTICE DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(DIRECTORY licences DESTINATION ${CMAKE_INSTALL_DOCDIR})
 # All that is installed, and the programs that pages of the docs start besides (tests/CMakeLists.txt): what
 # scripts/explore leaves.
 add_custom_target(product)

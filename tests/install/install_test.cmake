@@ -40,6 +40,13 @@ foreach(file bash-completion/completions/prospect zsh/site-functions/_prospect f
   endif()
 endforeach()
 
+# Parts of others travel with their licences.
+foreach(file LICENSE NOTICE licences/compiled_in.txt licences/dygraphs.txt licences/parts.csv)
+  if(NOT EXISTS "${prefix}/share/doc/prospect/${file}")
+    message(FATAL_ERROR "share/doc/prospect/${file} was not installed")
+  endif()
+endforeach()
+
 # The installed headers are complete: a program that includes all of them links every room.
 file(GLOB_RECURSE headers RELATIVE "${prefix}/include/prospect" "${prefix}/include/prospect/*.h")
 if(NOT "engine/planner/planner.h" IN_LIST headers)

@@ -1,6 +1,8 @@
 #include "adapters/formats/images/image_codec.h"
 
+#ifdef PROSPECT_IMAGE_CODECS
 #include <dlfcn.h>
+#endif
 
 #include <opencv2/core.hpp>
 #include <string>
@@ -17,6 +19,7 @@ struct Codecs {
                  const std::vector<int>&);
 };
 
+#ifdef PROSPECT_IMAGE_CODECS
 [[noreturn]] void refuse() {
   const char* why = dlerror();  // names the library first
   throw InputError(std::string(why ? why : PROSPECT_IMAGE_CODECS ": cannot be loaded") +
@@ -41,6 +44,14 @@ Codecs load() {
        codecs.encode);
   return codecs;
 }
+#else
+Codecs load() {
+  throw InputError(
+      "images cannot be read or written: this build has no codecs (PROSPECT_COPYLEFT=OFF); "
+      "expected "
+      "one with OpenCV's");
+}
+#endif
 
 const Codecs& codecs() {
   static const Codecs loaded = load();

@@ -47,6 +47,10 @@ TEST(MapPage, IsOneWholeFile) {
     EXPECT_FALSE(has(fetched)) << fetched;
   }
   EXPECT_TRUE(has("three.js r111, copyright")) << "the libraries' licence stays with them";
+  EXPECT_TRUE(has("© 2010-2019 three.js authors"));
+  EXPECT_TRUE(has("Dan Vanderkam"));
+  EXPECT_TRUE(
+      has("The above copyright notice and this permission notice shall be included in all"));
   EXPECT_TRUE(has("REVISION=\"111\"")) << "which the page names";
   const auto data = data_of(page);
   EXPECT_EQ(data["frames"], 3);
