@@ -11,10 +11,11 @@
 namespace prospect {
 namespace {
 
-constexpr double kApart = 0.3;    // [s] between two samples that belong together
-constexpr double kGoesOn = 0.4;   // share of the time that passes, by which stamps grow at least
-constexpr double kFresh = 0.6;    // [s] that the newest pose may be old
-constexpr double kAgainst = 2.0;  // weight of motion against all that was told
+constexpr double kApart = 0.3;   // [s] between two samples that belong together
+constexpr double kGoesOn = 0.4;  // share of the time that passes, by which stamps grow at least
+constexpr double kHeld = 0.5, kForgotten = 4.0;  // [m] or [rad]
+constexpr double kFresh = 0.6;                   // [s] that the newest pose may be old
+constexpr double kAgainst = 2.0;                 // weight of motion against all that was told
 constexpr std::array kSides = {1.0, -1.0};
 
 std::array<double, 3> axes(const Twist& twist) {
@@ -75,6 +76,24 @@ double CommandFollowing::limit(int axis, bool more) const {
   return more ? options_.more_distance : options_.less_distance;
 }
 
+double CommandFollowing::least_of(const Sums& sums, double told, double speed, double least) const {
+  const double unknown =
+      options_.slip + (options_.hold - options_.slip) * std::min(1.0, sums.held / kHeld);
+  return std::max({0.0, told - options_.slip * speed - least,
+                   sums.share * told - std::max(unknown * speed, least)});
+}
+
+void CommandFollowing::learn(Sums& sums, const Band& told, double measured, double least,
+                             double dt) const {
+  const double mean = 0.5 * (told.low + told.high);
+  if (std::abs(mean) < 3.0 * least || told.high - told.low > 0.1 * std::abs(mean)) return;
+  const double way = std::abs(mean) * dt;
+  sums.held = std::min(sums.held + way, kHeld);
+  const double share = std::clamp(measured / mean, 1.0 - options_.slip, 1.0 + options_.slip);
+  sums.share +=
+      (share - sums.share) * std::min(1.0, way / (sums.held < kHeld ? sums.held : kForgotten));
+}
+
 void CommandFollowing::add(Witness& witness, double from, double until,
                            const std::array<double, kAxes>& measured) {
   const double dt = until - from;
@@ -82,13 +101,14 @@ void CommandFollowing::add(Witness& witness, double from, double until,
   const auto farthest = [](const Band& band) {
     return std::max(std::abs(band.low), std::abs(band.high));
   };
-  const double speed = std::hypot(farthest(bands[0]), farthest(bands[1]));
   bool stands = true;
   for (int axis = 0; axis < kAxes; ++axis) {
     const auto at = static_cast<std::size_t>(axis);
     const Band band = bands[at];
     const double m = measured[at];
     const double least = axis == 2 ? options_.least_rate : options_.least_speed;
+    // What slips, or is turned a little in W, moves to the side, too.
+    const double across = axis == 2 ? 0.0 : farthest(bands[1 - at]);
     stands = stands && band.low == 0.0 && band.high == 0.0 && std::abs(m) <= least;
     Sums& sums = witness.sums[at];
     sums.measured = m;
@@ -103,15 +123,21 @@ void CommandFollowing::add(Witness& witness, double from, double until,
       const double to = std::max(0.0, side > 0.0 ? band.high : -band.low);
       const double away = std::max(0.0, side > 0.0 ? -band.high : band.low);
       const double away_at_most = std::max(0.0, side > 0.0 ? -band.low : band.high);
-      const auto slip = [&](double told) { return options_.slip * (axis == 2 ? told : speed); };
       const double weight = to == 0.0 && away_at_most > least ? kAgainst : 1.0;
-      grow(sums.more[k], weight * (side * m - to - slip(to) - least) * dt, limit(axis, true));
-      const double asked = std::max(0.0, away - slip(away) - least);
-      grow(sums.less[k], asked > 0.0 ? (asked - std::max(0.0, -side * m)) * dt : -least * dt,
-           limit(axis, false));
+      grow(sums.more[k],
+           weight * (side * m - to - options_.slip * std::hypot(to, across) - least) * dt,
+           limit(axis, true));
+      const double made = std::max(0.0, -side * m);
+      const double asked = least_of(sums, away, std::hypot(away, across), least);
+      const double by = asked > 0.0 ? (asked - made) * dt : -least * dt;
+      grow(sums.less[k], by, limit(axis, false));
+      // Who moves, but less, was not stopped by anything.
+      grow(sums.slower[k], made > least ? by : -least * dt, limit(axis, true));
     }
+    learn(sums, band, m, least, dt);
   }
-  if (stands) witness.sums = {};
+  if (!stands) return;
+  for (Sums& sums : witness.sums) sums.more = sums.slower = sums.less = {};
 }
 
 void CommandFollowing::add_wheels(const BaseReport& base) {
@@ -158,11 +184,12 @@ std::optional<Departure> CommandFollowing::look(double now, const BaseReport& ba
     const Sums& pose = pose_.sums[static_cast<std::size_t>(axis)];
     const double more = limit(axis, true), less = limit(axis, false);
     // A pose that departs to the other side, as a picture does that stands still, denies nothing.
-    const bool confirmed = std::max(pose.more[0], pose.more[1]) >= 0.5 * more ||
-                           std::max(pose.less[0], pose.less[1]) >= 0.5 * less;
+    const auto most = [](const std::array<double, 2>& sums) { return std::max(sums[0], sums[1]); };
+    const bool confirmed = most(pose.more) >= 0.5 * more || most(pose.slower) >= 0.5 * more ||
+                           most(pose.less) >= 0.5 * less;
     for (std::size_t k = 0; k < kSides.size(); ++k) {
-      if (wheels.more[k] >= more || wheels.less[k] >= less) {
-        const double by = kSides[k] * std::max(wheels.more[k], wheels.less[k]);
+      if (wheels.more[k] >= more || wheels.slower[k] >= more || wheels.less[k] >= less) {
+        const double by = kSides[k] * std::max({wheels.more[k], wheels.slower[k], wheels.less[k]});
         if (!pose_.stamp) return made(wheels, axis, by, "wheels");
         if (confirmed) return made(wheels, axis, by, "wheels and pose");
       }

@@ -17,13 +17,14 @@ class Knobs;
 struct CommandFollowingOptions {
   double lag = 0.25;          ///< [s] by which motion may be later than the known delay
   double slip = 0.3;          ///< [1] share by which it may be more or less than it is told
+  double hold = 0.1;          ///< [1] by which the share that it makes of commands may change
   double least_speed = 0.03;  ///< [m/s] that counts
   double least_rate = 0.05;   ///< [rad/s] that counts
   // What makes it a base that does not follow: more than it is told, or half as much the other
-  // way; a turn that is less leads elsewhere, too ...
+  // way, or another speed than it has held; a turn that is less leads elsewhere, too ...
   double more_distance = 0.1;  ///< [m]
   double turn = 0.2;           ///< [rad]
-  // ... and less, which leads nowhere that nobody has looked at.
+  // ... and what stands, or is less from the beginning, leads nowhere that nobody has looked at.
   double less_distance = 0.3;  ///< [m]
 };
 /// The knobs (models/knobs.h).
@@ -58,20 +59,29 @@ std::string to_text(const Departure& departure);
 /// the pose of the belief while it is localized. Each has sums a side of each axis, +1 and -1,
 /// never below zero, which grow by what is beyond the band and fall by what is within it (CUSUM,
 /// Page 1954), so a constant error of any size is found after a way of its own, and noise about
-/// zero never:
-///     more += w (side m - to - slip - least_speed) dt, to = max(0, most told to that side)
-///     less += (away - slip - least_speed - max(0, -side m)) dt
-///                                                  away = max(0, least told away from that side)
-/// with w = 2 where nothing was told to that side and more than least_speed away from it, which no
-/// slip and no overshoot makes of it, else 1; with the share `slip` of the largest speed told, in
-/// whatever direction it is, as who slips or is turned a little in W moves to the side, too; of
-/// yaw, of the rate told to that side. One sample adds at most a third of the limit: one alone
-/// decides nothing. Who stands as it is told to begins anew.
+/// zero never. With to = max(0, most told to that side), away = max(0, least told away from it):
+///     more += w (side m - to - slip |(to, across)| - least_speed) dt
+///     less += (asked - made) dt, made = max(0, -side m)
+///     slower += the same, while made > least_speed: who moves was not stopped by anything
+/// across: the most told on the other axis (of yaw: 0), as who slips or is turned a little in W
+/// moves to the side, too; away from a side there is no slip to it. w = 2 where nothing was told to
+/// that side and more than least_speed away from it, which no overshoot makes of it, else 1.
+///
+/// Slip is a number that nobody knows, within 1 - slip and 1 + slip, but it does not change with
+/// each command. So each axis of each witness has a mean share g = m / told of the time in which it
+/// was told nearly the same for the whole band, of its first 0.5 m or rad, then forgotten over 4,
+/// and what is asked is
+///     asked = max(away - slip |(away, across)| - least_speed,
+///                 g away - max(u |(away, across)|, least_speed))
+/// with u from slip (nothing held yet) to hold (from 0.5 m or rad on).
+/// One sample adds at most a third of the limit: one alone decides nothing. Who stands as it is
+/// told to begins the sums anew.
 ///
 /// A base does not follow
-///   * if by the wheels a sum is beyond its limit, and the pose, where it is known, has half of
-///     what it takes on that axis, to whatever side: wheels that lie are not a base that goes
-///     astray, and a pose that stands still does not deny what they say;
+///   * if by the wheels a sum is beyond its limit (more, slower: more_distance; less:
+///     less_distance; turn), and the pose, where it is known, has half of what it takes on that
+///     axis, to whatever side: wheels that lie are not a base that goes astray, and a pose that
+///     stands still does not deny what they say;
 ///   * if by the pose alone it makes twice the limit of `more`. Less by the pose alone is no fault
 ///     of the base: wheels slip, the body touches something, a picture stands still.
 ///
@@ -95,9 +105,10 @@ class CommandFollowing {
   };
   using Bands = std::array<Band, kAxes>;
   struct Sums {
-    std::array<double, 2> more{}, less{};  // of sides +1, -1
-    double measured = 0.0;                 // the newest
-    Band told;                             // likewise
+    std::array<double, 2> more{}, slower{}, less{};  // of sides +1, -1
+    double measured = 0.0;                           // the newest
+    Band told;                                       // likewise
+    double share = 1.0, held = 0.0;                  // g of the header; the way it was told for it
   };
   struct Witness {
     std::optional<double> stamp;  // of the newest sample
@@ -107,6 +118,8 @@ class CommandFollowing {
 
   Bands told_in(double from, double until) const;
   void add(Witness& witness, double from, double until, const std::array<double, kAxes>& measured);
+  void learn(Sums& sums, const Band& told, double measured, double least, double dt) const;
+  double least_of(const Sums& sums, double told, double speed, double least) const;
   void add_wheels(const BaseReport& base);
   void add_pose(double now, const Belief* belief);
   double limit(int axis, bool more) const;

@@ -8,6 +8,8 @@ void describe(Knobs& knobs, CommandFollowingOptions& o) {
                "by which motion may be later than drive.command.delay says");
   knobs.number("slip", o.slip, {0.0, 1.0}, "1",
                "share by which motion may be more or less than it is told");
+  knobs.number("hold", o.hold, {0.0, 1.0}, "1",
+               "by which the share that it makes of its commands may change");
   knobs.number("least_speed", o.least_speed, {0.001, 1.0}, "m/s", "that counts as motion");
   knobs.number("least_rate", o.least_rate, {0.001, 3.0}, "rad/s", "that counts as turning");
   knobs.number("more_distance", o.more_distance, {0.01, 10.0}, "m",

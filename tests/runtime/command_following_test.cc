@@ -274,6 +274,45 @@ TEST(CommandFollowing, ABaseThatDrivesOnWhenItIsToldToStop) {
   EXPECT_LE(found->after, 1.0);
 }
 
+// Another speed than the one it has held is none that slip explains, though it is within slip.
+TEST(CommandFollowing, ABaseThatHeldItsSpeedAndRunsOnAtAnother) {
+  for (const double gain : {1.0, 0.9, 1.1}) {
+    for (const bool has_pose : {true, false}) {
+      World w;
+      w.acceleration = 2.0;
+      w.wheel_noise = 0.02, w.pose_noise = 0.002, w.pose_delay = 0.1;
+      w.has_pose = has_pose;
+      w.from = -1.0;
+      const double begins = 8.0;
+      w.fault = [=](double since, const Twist& told) {
+        const double speed = since + w.from < begins ? told.linear.x() : 0.4;
+        return Twist{{gain * speed, 0.0, 0.0}, 0.0};
+      };
+      const auto found = drive(w, 20.0, steadily(0.6, 0.0));
+      ASSERT_TRUE(found) << gain;
+      const double after = found->after + w.from - begins;
+      EXPECT_GE(after, 0.0) << gain;
+      EXPECT_LE(after, 1.0) << gain;
+      EXPECT_LT(found->what.by, 0.0);
+    }
+  }
+  // In its first half metre nobody knows what is slip.
+  World w;
+  w.fault = [](double, const Twist&) { return Twist{{0.45, 0.0, 0.0}, 0.0}; };
+  w.from = 1.0;
+  EXPECT_FALSE(drive(w, 20.0, steadily(0.6, 0.0)));
+}
+
+// Nothing of the speed told away from a side is slip to that side.
+TEST(CommandFollowing, WhoRunsTheOtherWaySlowlyIsNotOneWhoSlips) {
+  World w;
+  w.fault = [](double, const Twist&) { return Twist{{-0.12, 0.0, 0.0}, 0.0}; };
+  w.from = 0.0;
+  const auto found = drive(w, 8.0, steadily(0.4, 0.0));
+  ASSERT_TRUE(found);
+  EXPECT_LE(found->way, 0.12);
+}
+
 TEST(CommandFollowing, SlowlyBackwardsWithoutAJump) {
   // The gain falls from 1 to -1 over 6 s.
   World w;
@@ -326,6 +365,25 @@ TEST(CommandFollowing, LegalDrivesAreNotBlamed) {
       {"slow ramps, late, slip, noise", with([](World& w) {
          w.acceleration = 1.0, w.turning = 3.0, w.delay = 0.15, w.yaw_gain = 0.87;
          w.wheel_noise = 0.03, w.pose_noise = 0.003, w.pose_delay = 0.1;
+       })},
+      {"makes less of each command", with([](World& w) {
+         w.from = 0.0, w.fault = [](double, const Twist& t) {
+           return Twist{0.75 * t.linear, 0.75 * t.yaw_rate};
+         };
+       })},
+      {"its battery falls", with([](World& w) {
+         w.from = 0.0, w.wheel_noise = 0.02;
+         w.fault = [](double since, const Twist& t) {
+           const double gain = 1.0 - 0.25 * since / 40.0;
+           return Twist{gain * t.linear, gain * t.yaw_rate};
+         };
+       })},
+      {"goes up and down", with([](World& w) {
+         w.from = 0.0, w.wheel_noise = 0.02, w.pose_noise = 0.002;
+         w.fault = [](double since, const Twist& t) {
+           const double gain = std::fmod(since, 6.0) < 3.0 ? 0.92 : 1.0;
+           return Twist{gain * t.linear, gain * t.yaw_rate};
+         };
        })},
       {"without a pose", with([](World& w) { w.has_pose = false, w.delay = 0.2; })},
   };

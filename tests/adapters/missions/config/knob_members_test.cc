@@ -492,9 +492,9 @@ TEST(KnobMembers, EveryNumberAndSwitchOfDrivingIsAKnob) {
   }
   {
     CommandFollowingOptions o;
-    [[maybe_unused]] auto& [lag, slip, least_speed, least_rate, more_distance, turn,
+    [[maybe_unused]] auto& [lag, slip, hold, least_speed, least_rate, more_distance, turn,
                             less_distance] = o;
-    EXPECT_KNOBS(o, lag, slip, least_speed, least_rate, more_distance, turn, less_distance);
+    EXPECT_KNOBS(o, lag, slip, hold, least_speed, least_rate, more_distance, turn, less_distance);
   }
   {
     DriverOptions o;

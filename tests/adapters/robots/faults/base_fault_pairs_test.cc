@@ -170,6 +170,21 @@ TEST(BaseFaultPairs, AreNamedWithinASecondOrThirtyCentimetres) {
   }
 }
 
+// At 0.4 m/s while 0.6 is told, which slip would explain of a base that had not done better before.
+TEST(BaseFaultPairs, OneThatIgnoresAndRunsAwayIsNamedOnAStraightWay) {
+  const std::vector<std::string> both = {"base:ignores", "base:runaway"};
+  for (const char* other : {"", "cameras:delayed", "cameras:off"}) {
+    std::vector<std::string> faults = both;
+    if (*other) faults.emplace_back(other);
+    const auto named = drive(faults, [](double now) {
+      return Twist{{std::min(0.6, 0.8 * now), 0.0, 0.0}, 0.0};
+    });
+    ASSERT_TRUE(named) << other;
+    EXPECT_TRUE(named->after <= 1.0 + 1e-9 || named->way <= 0.3)
+        << other << ": " << named->as << " after " << named->after << " s, " << named->way << " m";
+  }
+}
+
 TEST(BaseFaultPairs, ABaseThatIsWellIsNotBlamedForWhatTellsOfIt) {
   for (const char* other : {"wheels:wrong", "wheels:delayed", "wheels:intermittent",
                             "cameras:stuck", "cameras:delayed"}) {
