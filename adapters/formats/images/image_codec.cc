@@ -1,15 +1,17 @@
 #include "adapters/formats/images/image_codec.h"
 
-#ifdef PROSPECT_IMAGE_CODECS
-#include <dlfcn.h>
-#endif
-
 #include <opencv2/core.hpp>
 #include <string>
 
 #include "adapters/formats/files/input_error.h"
+#ifdef PROSPECT_IMAGE_CODECS
+#include <dlfcn.h>
+#else
+#include "adapters/formats/images/plain_png.h"
+#endif
 
 namespace prospect {
+#ifdef PROSPECT_IMAGE_CODECS
 namespace {
 
 /// The functions of the library that is loaded.
@@ -19,7 +21,6 @@ struct Codecs {
                  const std::vector<int>&);
 };
 
-#ifdef PROSPECT_IMAGE_CODECS
 [[noreturn]] void refuse() {
   const char* why = dlerror();  // names the library first
   throw InputError(std::string(why ? why : PROSPECT_IMAGE_CODECS ": cannot be loaded") +
@@ -44,14 +45,6 @@ Codecs load() {
        codecs.encode);
   return codecs;
 }
-#else
-Codecs load() {
-  throw InputError(
-      "images cannot be read or written: this build has no codecs (PROSPECT_COPYLEFT=OFF); "
-      "expected "
-      "one with OpenCV's");
-}
-#endif
 
 const Codecs& codecs() {
   static const Codecs loaded = load();
@@ -70,5 +63,21 @@ std::vector<std::uint8_t> encode_pixels(const std::string& ending, const cv::Mat
   if (!codecs().encode(ending, pixels, bytes, parameters)) bytes.clear();
   return bytes;
 }
+#else
+// PNG alone, and written only.
+void load_image_codecs() {}
+
+cv::Mat decode_pixels(const cv::Mat&, int) {
+  throw InputError(
+      "images cannot be read: this build has no codecs (PROSPECT_COPYLEFT=OFF); expected one with "
+      "OpenCV's");
+}
+
+std::vector<std::uint8_t> encode_pixels(const std::string& ending, const cv::Mat& pixels,
+                                        const std::vector<int>&) {
+  if (ending != ".png") return {};
+  return plain_png(pixels);
+}
+#endif
 
 }  // namespace prospect
