@@ -1,0 +1,45 @@
+#!/usr/bin/env bash
+# What the pages at the top of the project say is so, and files of other programs are in their form.
+#   habits_test.sh <source tree> <build tree> <scratch folder>
+set -uo pipefail
+root="$1" build="$2" work="$3"
+rm -rf "$work"
+mkdir -p "$work"
+failures=0
+fail() { echo "FAILED: $*" >&2; failures=$((failures + 1)); }
+here="$(dirname "${BASH_SOURCE[0]}")"
+truth() { /usr/bin/python3 -B "$here/pages_tell_truth.py" "$root" "$build" "$@"; }
+
+truth "$root"/{CONTRIBUTING,SECURITY,CHANGELOG}.md || fail "a page names what is not there"
+
+# And it would be noticed.
+cat >"$work/page.md" <<'PAGE'
+[gone](gone.md) `engine/gone.h` `ctest --test-dir build -R no_such_test`
+```sh
+scripts/gone
+cmake --build build --target no_such_target && ctest --test-dir build -L no_such_room
+cmake --preset no_such_preset
+```
+PAGE
+truth "$work/page.md" 2>"$work/err" && fail "a page that names what is not there passes"
+for name in gone.md engine/gone.h no_such_test scripts/gone no_such_target no_such_room no_such_preset; do
+  grep -q "$name" "$work/err" || fail "$name is not missed: $(<"$work/err")"
+done
+
+/usr/bin/python3 - "$root" <<'PYTHON' || fail "a file of another program is not in its form"
+import glob, json, re, sys
+root = sys.argv[1]
+container = json.load(open(f"{root}/.devcontainer/devcontainer.json"))
+assert "debian:12" in container["image"] and "scripts/setup" in container["postCreateCommand"], container
+templates = glob.glob(f"{root}/.github/ISSUE_TEMPLATE/*.md")
+assert len(templates) >= 2, templates
+for template in templates:
+    assert re.match(r"---\nname: .+\nabout: .+\n---\n", open(template).read()), template
+citation = open(f"{root}/CITATION.cff").read()
+for key in "cff-version: 1.2.0", "title: ", "message: ", "license: Apache-2.0", "authors:\n  - ":
+    assert key in citation, key
+assert "WarningsAsErrors: '*'" in open(f"{root}/.clang-tidy").read()
+PYTHON
+
+((failures == 0)) && echo "habits: all checks pass"
+exit "$((failures > 0))"
