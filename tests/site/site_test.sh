@@ -40,15 +40,15 @@ else
       --allow-file-access-from-files --virtual-time-budget=15000 --dump-dom "$1" 2>/dev/null
   }
   dom "file://$work/site/search.html?q=retreat" >"$work/found.html"
-  grep -q 'docs/reference/behaviour.html' "$work/found.html" || fail "the search does not find the page on behaviour"
+  grep -q 'reference/behaviour.html' "$work/found.html" || fail "the search does not find the page on behaviour"
   cat >"$work/site/test.html" <<'PAGE'
 <!doctype html><p id="result">none</p><script>
-const pages = ["index", "docs/reference/configuration", "docs/tutorials/first_mission", "docs/results/comparison"];
+const pages = ["index", "reference/configuration", "tutorials/first_mission", "results/comparison"];
 const result = document.getElementById("result");
 const look = (page) => new Promise((done) => {
   const frame = document.createElement("iframe");
   frame.style.cssText = "width: 390px; height: 800px";
-  frame.src = page + ".html";
+  frame.src = (page === "index" ? "" : "docs/") + page + ".html";
   frame.onload = () => setTimeout(() => {
     const inside = frame.contentDocument;
     const wide = inside.scrollingElement.scrollWidth;
@@ -73,7 +73,7 @@ const look = (page) => new Promise((done) => {
 PAGE
   dom "file://$work/site/test.html" >"$work/looked.html"
   expected=""
-  for page in index docs/reference/configuration docs/tutorials/first_mission docs/results/comparison; do
+  for page in index reference/configuration tutorials/first_mission results/comparison; do
     expected+="${expected:+; }$page fits darkens whole"
   done
   grep -qF ">$expected<" "$work/looked.html" || fail "in a browser: $(grep -o 'id="result">[^<]*' "$work/looked.html")"
