@@ -28,6 +28,9 @@ done
 grep -q "<version>$version</version>" "$root/share/ros2/prospect_robot/package.xml" ||
   fail "share/ros2/prospect_robot/package.xml has another version; expected $version"
 grep -q "^version: $version$" "$root/CITATION.cff" || fail "CITATION.cff has another version; expected $version"
+# Examples ask for this version, which an older one does not satisfy.
+other="$(grep -rn 'find_package(prospect [0-9]' "$root"/docs --include=CMakeLists.txt --include='*.md' | grep -v "prospect ${version%.*} ")"
+[[ -z "$other" ]] || fail "another version is asked for: $other"
 
 # A project of a header, a key, a column, a topic and an exit code, released as 0.3.1.
 tree="$work/tree"
