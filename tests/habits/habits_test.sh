@@ -41,5 +41,20 @@ for key in "cff-version: 1.2.0", "title: ", "message: ", "license: Apache-2.0", 
 assert "WarningsAsErrors: '*'" in open(f"{root}/.clang-tidy").read()
 PYTHON
 
+# Key figures: the same build is no worse than itself; what has grown is marked.
+mkdir -p "$work/tree/releases/0.0.9" "$work/tree/releases/0.0.10"
+cp -r "$root/scripts" "$work/tree/"
+figures="$work/tree/scripts/figures"
+"$figures" --build "$build" --quick --out "$work/figures.csv" >"$work/out" 2>/dev/null || fail "figures without a release end with $?"
+sed 's/^"program, start",ms of processor,.*,lower/"program, start",ms of processor,1e6,lower/' "$work/figures.csv" \
+  >"$work/tree/releases/0.0.10/figures.csv"
+printf 'figure,unit,value,better,tolerance_percent\n"program, size",MB,1e-3,lower,5\n' >"$work/tree/releases/0.0.9/figures.csv"
+"$figures" --build "$build" --quick >"$work/out" 2>"$work/err" || fail "a build is worse than itself: $(<"$work/out")"
+grep -q '| 0.0.10 | now |' "$work/out" || fail "not compared with the last release: $(<"$work/out")"
+sed -i 's/MB,[^,]*,/MB,1e-3,/' "$work/tree/releases/0.0.10/figures.csv"
+"$figures" --build "$build" --quick >"$work/out" 2>"$work/err" && fail "a program of more size passes"
+grep -q '^| program, size .*\*\*worse\*\*' "$work/out" && grep -q '1 of 2 figures are worse' "$work/err" ||
+  fail "a worse figure is not marked: $(<"$work/out")"
+
 ((failures == 0)) && echo "habits: all checks pass"
 exit "$((failures > 0))"
