@@ -42,6 +42,28 @@ if(TARGET prospect)
   endforeach()
 endif()
 
+# What whoever links the installed libraries reads before all else: the layout that these are compiled with.
+function(prospect_eigen_value name result)
+  separate_arguments(flags UNIX_COMMAND "${CMAKE_CXX_FLAGS}")
+  get_target_property(folders Eigen3::Eigen INTERFACE_INCLUDE_DIRECTORIES)
+  list(TRANSFORM folders PREPEND -I)
+  file(WRITE ${PROJECT_BINARY_DIR}/layout/asked.cc "#include <Eigen/Core>\nlayout ${name}\n")
+  execute_process(COMMAND ${CMAKE_CXX_COMPILER} ${flags} -std=c++20 ${folders} -E -P ${PROJECT_BINARY_DIR}/layout/asked.cc
+    OUTPUT_VARIABLE text ERROR_VARIABLE error)
+  if(NOT text MATCHES "layout ([0-9]+)")
+    message(FATAL_ERROR "Eigen's ${name} cannot be asked for: ${error}")
+  endif()
+  set(${result} ${CMAKE_MATCH_1} PARENT_SCOPE)
+endfunction()
+prospect_eigen_value(EIGEN_MAX_ALIGN_BYTES PROSPECT_EIGEN_MAX_ALIGN)
+prospect_eigen_value(EIGEN_MAX_STATIC_ALIGN_BYTES PROSPECT_EIGEN_MAX_STATIC_ALIGN)
+configure_file(${PROJECT_SOURCE_DIR}/cmake/compiled_as.h.in ${PROJECT_BINARY_DIR}/layout/compiled_as.h @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/layout/compiled_as.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/prospect/models)
+foreach(target prospect_models prospect_robot)
+  target_compile_options(${target} INTERFACE
+    "$<INSTALL_INTERFACE:$<$<COMPILE_LANGUAGE:CXX>:SHELL:-include models/compiled_as.h>>")
+endforeach()
+
 set(package ${CMAKE_INSTALL_LIBDIR}/cmake/prospect)
 install(EXPORT prospect FILE prospectTargets.cmake NAMESPACE prospect:: DESTINATION ${package})
 # A consumer needs the solver libraries that this build has found.
