@@ -32,7 +32,7 @@ product_tree() {
   local from="$1" to="$2" file text
   mkdir "$to"
   cd "$from" || return
-  cp -rl --parents share CMakeFiles/Export *.cmake "$to"
+  cp -rl --parents share layout CMakeFiles/Export *.cmake "$to"
   [[ ! -d python ]] || cp -rl python "$to"
   rm -f "$to"/python/prospect/*.so
   ninja -t query product | awk '/^  outputs:/ { exit } /^    / { print $1 }' | xargs cp -l --parents -t "$to"
