@@ -262,6 +262,33 @@ class ArraysTest(unittest.TestCase):
             with self.assertRaisesRegex(ValueError, f"voxels: holds {wrong} at"):
                 maps(np.full((2, 2, 2), wrong))
 
+    def test_voxels_are_where_they_are_told_to_be(self):
+        def maps(voxels, resolution=0.1, origin=(0.0, 0.0, 0.0)):
+            return prospect.Maps(voxels, resolution, origin, CONFIGURATION)
+
+        # An octree's addresses have 16 bits: what lies beyond came in again at the other side.
+        for shape, origin, axis in (
+            ((2, 2, 2), (5000.0, 0.0, 0.0), "x"),
+            ((2, 2, 2), (0.0, -3276.9, 0.0), "y"),
+            ((2, 2, 2), (448262.8, 5411932.3, 0.0), "x"),
+            ((40000, 1, 1), (0.0, 0.0, 0.0), "y"),
+            ((1, 1, 33000), (0.0, 0.0, 0.0), "z"),
+        ):
+            with self.assertRaisesRegex(ValueError, f"origin: along {axis} the voxels reach .*; expected within 3276"):
+                maps(np.ones(shape, np.uint8), origin=origin)
+        for origin in ((3276.6, -3276.8, 0.0), (-3276.8, 3276.6, 0.0)):
+            made = maps(np.ones((2, 2, 5), np.uint8), origin=origin)
+            left, _, bottom, _ = made.extent
+            row, column = np.argwhere(made.ground == 1).min(axis=0)
+            self.assertAlmostEqual(left + 0.1 * column, origin[0], 6)
+            self.assertAlmostEqual(bottom + 0.1 * row, origin[1], 6)
+        # Without the memory that it would take: no entry of these is stored.
+        for shape in ((100_000, 100_000, 1), (2**20, 2**20, 2**20)):
+            with self.assertRaisesRegex(ValueError, "voxels: has [0-9]+ entries; expected at most 400000000"):
+                maps(np.broadcast_to(np.uint8(1), shape))
+        with self.assertRaisesRegex(ValueError, "voxels: is empty; expected"):
+            maps(np.ones((2, 0, 2), np.uint8))
+
     def test_ranges(self):
         for more in ({"range": [1.0, 0.0]}, {"survival": [0.5, 1.1]}, {"survival": [-0.1, 0.5]}):
             with self.assertRaisesRegex(ValueError, f"^{next(iter(more))}: holds .*; expected"):
@@ -327,6 +354,34 @@ class ArraysTest(unittest.TestCase):
                 self.assertRegex(str(caught.exception), f"cost: has (shape )?{re.escape(str(said))}; expected")
         for given in (2, 2.0, np.float32(2), np.array(2.0), np.array([[2.0]])):
             self.assertEqual(FUNCTIONS([-1, -1], [1, 1], lambda z, given=given: given).cost([0.1, 0.2]), 2.0)
+
+    def test_numbers_that_are_none_are_refused_in_words(self):
+        problem = rosenbrock()
+        for call, said in (
+            (lambda: prospect.motion_model("unicycle", v_max="1"), "v_max: has dtype"),
+            (lambda: prospect.motion_model("unicycle", v_max=True), "v_max: has dtype bool"),
+            (lambda: prospect.solve(problem, max_evaluations=2**70), f"option 'max_evaluations': is {2**70}"),
+            (lambda: prospect.solve(problem, tolerance=1j), "option 'tolerance': has dtype complex"),
+            (lambda: prospect.solve(problem, deadline=NAN), "deadline: is nan s"),
+            (lambda: prospect.solve(problem, deadline=-1.0), "deadline: is -1 s"),
+            (lambda: planner()[0].plan(BELIEF, NAN), "deadline: is nan s"),
+            (lambda: prospect.Registries().add_term("t", None, options={"a": ("1", 0, 2, "m", "x")}), "option 'a': has"),
+            (lambda: simulation([0, 0, 0, 0]) or simulation.made[0].apply(np.zeros(4), 1e300), r"duration: is 1e\+300 s"),
+            (lambda: prospect.Maps(room(), 1e-9, (0, 0, 0), CONFIGURATION), "resolution: is 1e-09 m"),
+        ):
+            with self.assertRaisesRegex((TypeError, ValueError), said + ".*; expected"):
+                call()
+        # Whatever it gives that Python takes for true.
+        for true in (1, "yes", np.True_, [0]):
+            result = prospect.solve(problem, "nlopt:GN_DIRECT_L", cancelled=lambda true=true: true, deadline=5.0)
+            self.assertIn(result.stop, (prospect.StopReason.CANCELLED, prospect.StopReason.ITERATION_LIMIT))
+
+    def test_an_error_has_words_whatever_it_names(self):
+        for path in (b"/tmp/\xff\xfe", "/tmp/\udcff", "/tmp/\x1b[31mx"):
+            for call in (prospect.Configuration, prospect.load_problem):
+                with self.assertRaisesRegex(ValueError, r"/tmp/[? ].*; expected") as caught:
+                    call(path)
+                self.assertNotIn("\x1b", str(caught.exception))
 
     def test_what_lives_in_the_process_is_not_copied(self):
         for thing in (PROBLEM, CONFIGURATION, MAPS, BELIEF, UNICYCLE, PROBLEM.start, prospect.Registries()):

@@ -2,10 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <new>
 #include <stdexcept>
+
+#include "models/formatted.h"
 
 namespace prospect::python {
 namespace {
+
+constexpr py::ssize_t kMostCodes = 400'000'000;
 
 std::string shape_text(const std::vector<py::ssize_t>& shape) {
   std::string text = "(";
@@ -36,6 +42,14 @@ py::array real_array(const ArrayLike& array, const std::string& name, const char
                          "; expected " + expected);
   }
   return plain;
+}
+
+/// As numbers of another type, in C's order. Of reals nothing but memory can be short.
+template <typename Array>
+Array converted(const py::array& given) {
+  Array numbers = Array::ensure(given);
+  if (!numbers) throw std::bad_alloc();
+  return numbers;
 }
 
 /// "0.5 at (2, 0)"
@@ -81,8 +95,7 @@ void check_shape(const py::array& array, const std::vector<py::ssize_t>& expecte
 
 Numbers numbers_of(const ArrayLike& array, const std::string& name, Entries entries) {
   const py::array given = real_array(array, name, "real numbers");
-  const Numbers numbers = Numbers::ensure(given);
-  if (!numbers) throw py::error_already_set();
+  const Numbers numbers = converted<Numbers>(given);
   if (entries == Entries::kFinite) {
     check_entries(given, numbers, name, "finite numbers",
                   [](double x) { return std::isfinite(x); });
@@ -105,14 +118,24 @@ Bytes codes_of(const ArrayLike& array, const std::vector<py::ssize_t>& shape, in
                const std::string& name, const std::string& expected) {
   const py::array given = real_array(array, name, "whole numbers");
   check_shape(given, shape, name);
-  // What is beyond 2^53 or not whole is not one of them as a double, either.
-  check_entries(given, Numbers::ensure(given), name, expected,
-                [most](double x) { return x >= 0.0 && x <= most && x == std::floor(x); });
-  if (given.dtype().kind() == 'f') {
+  if (given.size() > kMostCodes) {
+    throw std::invalid_argument(name + ": has " + std::to_string(given.size()) +
+                                " entries; expected at most " + std::to_string(kMostCodes));
+  }
+  if (given.size() == 0) throw std::invalid_argument(name + ": is empty; expected one or more");
+  const bool whole = given.dtype().kind() != 'f';
+  // Doubles of all entries take eight times the room, and are needed to say what is wrong alone.
+  if (!whole || given.attr("min")().cast<double>() < 0.0 ||
+      given.attr("max")().cast<double>() > most) {
+    // What is beyond 2^53 or not whole is not one of them as a double, either.
+    check_entries(given, converted<Numbers>(given), name, expected,
+                  [most](double x) { return x >= 0.0 && x <= most && x == std::floor(x); });
+  }
+  if (!whole) {
     throw py::type_error(name + ": has dtype " + std::string(py::str(given.dtype())) +
                          "; expected whole numbers");
   }
-  return Bytes::ensure(given);
+  return converted<Bytes>(given);
 }
 
 Eigen::VectorXd vector_of(const ArrayLike& array, py::ssize_t size, const std::string& name,
@@ -130,6 +153,32 @@ double number_of(const py::object& given, const std::string& name) {
   }
   return numbers.data()[0];
 }
+
+int whole_of(const py::handle& given, const std::string& name) {
+  if (!PyIndex_Check(given.ptr())) {
+    throw py::type_error(name + ": is of type " +
+                         std::string(py::str(py::type::of(given).attr("__name__"))) +
+                         "; expected an int");
+  }
+  const auto whole = py::reinterpret_steal<py::object>(PyNumber_Index(given.ptr()));
+  if (!whole) throw py::error_already_set();
+  int overflow = 0;
+  const long number = PyLong_AsLongAndOverflow(whole.ptr(), &overflow);
+  if (overflow != 0 || number < std::numeric_limits<int>::min() ||
+      number > std::numeric_limits<int>::max()) {
+    throw std::invalid_argument(name + ": is " + std::string(py::str(whole)) +
+                                "; expected an int of 32 bits");
+  }
+  return static_cast<int>(number);
+}
+
+double checked_deadline(double seconds) {
+  if (seconds >= 0.0) return seconds;
+  throw std::invalid_argument("deadline: is " + number_text(seconds) +
+                              " s; expected 0 or more, or None");
+}
+
+std::string number_text(double number) { return formatted("%.9g", number); }
 
 Eigen::MatrixXd transposed(const ArrayLike& array, py::ssize_t rows, py::ssize_t columns,
                            const std::string& name, Entries entries) {

@@ -59,6 +59,17 @@ Eigen::VectorXd vector_of(const ArrayLike& array, py::ssize_t size, const std::s
 /// "cost: has shape (2,); expected one number".
 double number_of(const py::object& given, const std::string& name);
 
+/// One whole number of 32 bits: an int of Python or numpy. Throws py::type_error, "rows: is of type
+/// float; expected an int", or std::invalid_argument, "rows: is 1180591620717411303424; expected an
+/// int of 32 bits".
+int whole_of(const py::handle& given, const std::string& name);
+
+/// `seconds`. Throws std::invalid_argument unless they are 0 or more.
+double checked_deadline(double seconds);
+
+/// "0.1", "1e+300"
+std::string number_text(double number);
+
 /// The transpose of an array of shape (rows, columns): candidates, one a row, as columns.
 Eigen::MatrixXd transposed(const ArrayLike& array, py::ssize_t rows, py::ssize_t columns,
                            const std::string& name, Entries entries = Entries::kFinite);

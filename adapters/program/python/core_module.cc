@@ -1,6 +1,9 @@
 #include <pybind11/pybind11.h>
 
+#include <stdexcept>
+
 #include "adapters/formats/files/input_error.h"
+#include "adapters/formats/files/printable_text.h"
 #include "adapters/program/python/bindings.h"
 #include "models/version.h"
 
@@ -12,7 +15,10 @@ PYBIND11_MODULE(_core, m) {
     try {
       if (p) std::rethrow_exception(p);
     } catch (const prospect::InputError& e) {
-      PyErr_SetString(PyExc_ValueError, e.what());
+      PyErr_SetString(PyExc_ValueError, prospect::printable(e.what()).c_str());
+    } catch (const std::invalid_argument& e) {
+      // What it names may be no text of Python's, such as a path of any bytes.
+      PyErr_SetString(PyExc_ValueError, prospect::printable(e.what()).c_str());
     }
   });
   prospect::python::bind_problem(m);

@@ -51,13 +51,22 @@ struct Maps {
   BeliefMaps maps;
 };
 
-/// The address of a lattice line; throws where `at` [m] is no multiple of the resolution.
-int address(double at, double resolution, const char* axis) {
+/// The address of the first of `count` voxels along an axis, which begin at `at` [m]. Throws where
+/// that is no multiple of the resolution, or where OctoMap's keys do not reach.
+int address(double at, py::ssize_t count, double resolution, const char* axis) {
+  constexpr double kReach = 32768.0;  // voxels, either way
   const double exact = at / resolution;
-  if (!(std::abs(exact) < 1e6) || std::abs(exact - std::round(exact)) > 1e-6) {
-    throw std::invalid_argument("origin: " + std::string(axis) + " is " + std::to_string(at) +
+  const double last = exact + static_cast<double>(count);
+  if (!(exact >= -kReach - 0.5 && last <= kReach + 0.5)) {
+    throw std::invalid_argument("origin: along " + std::string(axis) + " the voxels reach from " +
+                                number_text(at) + " to " + number_text(last * resolution) +
+                                " m; expected within " + number_text(kReach * resolution) +
+                                " m of 0, 32768 voxels: count positions from a place nearby");
+  }
+  if (std::abs(exact - std::round(exact)) > 1e-6) {
+    throw std::invalid_argument("origin: " + std::string(axis) + " is " + number_text(at) +
                                 " m; expected a multiple of the resolution, " +
-                                std::to_string(resolution) + " m");
+                                number_text(resolution) + " m");
   }
   return static_cast<int>(std::round(exact));
 }
@@ -67,13 +76,13 @@ Maps make_maps(const ArrayLike& given, double resolution, const ArrayLike& origi
   const Bytes voxels =
       codes_of(given, {-1, -1, -1}, 2, "voxels", "0 (unknown), 1 (free) and 2 (occupied)");
   if (!(resolution >= 1e-3 && resolution <= 10.0)) {
-    throw std::invalid_argument("resolution: is " + std::to_string(resolution) +
+    throw std::invalid_argument("resolution: is " + number_text(resolution) +
                                 " m; expected 0.001 to 10 m");
   }
-  if (voxels.size() == 0) throw std::invalid_argument("voxels: is empty; expected one or more");
   const Eigen::VectorXd corner = vector_of(origin, 3, "origin");
-  const int i0 = address(corner.x(), resolution, "x"), j0 = address(corner.y(), resolution, "y"),
-            k0 = address(corner.z(), resolution, "z");
+  const int i0 = address(corner.x(), voxels.shape(1), resolution, "x"),
+            j0 = address(corner.y(), voxels.shape(0), resolution, "y"),
+            k0 = address(corner.z(), voxels.shape(2), resolution, "z");
   const auto v = voxels.unchecked<3>();
   const HeightSlice slice = height_slice(configuration.robot);
   const py::gil_scoped_release release;
@@ -130,7 +139,7 @@ void check_between(const std::optional<Numbers>& numbers, double low, double hig
   for (py::ssize_t n = 0; numbers && n < numbers->size(); ++n) {
     const double x = numbers->data()[n];
     if (x >= low && x <= high) continue;
-    throw std::invalid_argument(name + ": holds " + std::to_string(x) + " at " + std::to_string(n) +
+    throw std::invalid_argument(name + ": holds " + number_text(x) + " at " + std::to_string(n) +
                                 "; expected " + expected);
   }
 }
@@ -144,7 +153,7 @@ void check_covariance(const Matrix& covariance, const std::string& name) {
   if (symmetric && values.eigenvalues().minCoeff() >= -rounding) return;
   throw std::invalid_argument(
       name +
-      (symmetric ? ": has a variance of " + std::to_string(values.eigenvalues().minCoeff())
+      (symmetric ? ": has a variance of " + number_text(values.eigenvalues().minCoeff())
                  : std::string(": is not symmetric")) +
       "; expected a covariance");
 }
@@ -154,7 +163,7 @@ void check_speed(const Twist& twist, const std::string& name) {
   constexpr double kFastest = 100.0;  // [m/s], [rad/s]
   const double most = std::max(twist.linear.norm(), std::abs(twist.yaw_rate));
   if (most <= kFastest) return;
-  throw std::invalid_argument(name + ": is " + std::to_string(most) +
+  throw std::invalid_argument(name + ": is " + number_text(most) +
                               "; expected m/s and rad/s, at most 100");
 }
 
@@ -177,7 +186,7 @@ std::shared_ptr<LandmarkMap> make_landmarks(const ArrayLike& positions,
   check_between(range, 1e-9, 1e9, "range", "distances above 0 m");
   check_between(survival, 0.0, 1.0, "survival", "shares from 0 to 1");
   if (!(feature_density >= 0.0) || !std::isfinite(feature_density)) {
-    throw std::invalid_argument("feature_density: is " + std::to_string(feature_density) +
+    throw std::invalid_argument("feature_density: is " + number_text(feature_density) +
                                 "; expected 0 or more features a square metre");
   }
   auto map = std::make_shared<LandmarkMap>();
@@ -220,8 +229,7 @@ std::shared_ptr<Belief> make_belief(const Maps& maps, const ArrayLike& pose, dou
                                     const std::string& localization, int tracked_features,
                                     const std::optional<ArrayLike>& map_frame) {
   if (!std::isfinite(stamp)) {
-    throw std::invalid_argument("stamp: is " + std::to_string(stamp) +
-                                "; expected seconds, finite");
+    throw std::invalid_argument("stamp: is " + number_text(stamp) + "; expected seconds, finite");
   }
   if (tracked_features < 0) {
     throw std::invalid_argument("tracked_features: is " + std::to_string(tracked_features) +
@@ -612,7 +620,8 @@ void bind_planner_class(py::module_& m) {
           "plan",
           [](PythonPlanner& p, const Belief& belief, const std::optional<double>& seconds) {
             return with(p, [&](Planner& planner) {
-              return seconds ? planner.plan(belief, deadline(*seconds)) : planner.plan(belief);
+              return seconds ? planner.plan(belief, deadline(checked_deadline(*seconds)))
+                             : planner.plan(belief);
             });
           },
           py::arg("belief"), py::arg("deadline") = py::none(),

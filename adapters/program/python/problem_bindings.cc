@@ -269,7 +269,10 @@ void bind_motion_model(py::module_& m) {
       "motion_model",
       [](const std::string& name, const py::kwargs& given) {
         ModelParameters parameters;
-        for (const auto& [key, value] : given) parameters[py::str(key)] = value.cast<double>();
+        for (const auto& [key, value] : given) {
+          const std::string parameter = py::str(key);
+          parameters[parameter] = number_of(py::reinterpret_borrow<py::object>(value), parameter);
+        }
         return std::const_pointer_cast<MotionModel>(make_model(name, parameters));
       },
       py::arg("name"),

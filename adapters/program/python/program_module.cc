@@ -92,7 +92,7 @@ PYBIND11_MODULE(_program, m) {
           [](Simulation& s, const ArrayLike& command, double duration) {
             const Twist twist = twist_of(command, "command", Entries::kAny);
             if (!(duration >= 0.0 && duration <= 3600.0)) {
-              throw std::invalid_argument("duration: is " + std::to_string(duration) +
+              throw std::invalid_argument("duration: is " + number_text(duration) +
                                           " s; expected 0 to 3600 s");
             }
             const py::gil_scoped_release release;

@@ -1,7 +1,5 @@
 #include "adapters/program/python/python_solver.h"
 
-#include <limits>
-
 #include "adapters/program/python/arrays.h"
 
 namespace prospect::python {
@@ -21,14 +19,11 @@ std::string text_of(const py::object& object, const char* key, const std::string
 OptionValue option_of(const py::handle& value, const std::string& name) {
   if (py::isinstance<py::str>(value)) return std::string(py::str(value));
   if (PyIndex_Check(value.ptr())) {
-    const long long whole = value.cast<long long>();
-    if (whole < std::numeric_limits<int>::min() || whole > std::numeric_limits<int>::max()) {
-      throw std::invalid_argument("option '" + name + "' is " + std::to_string(whole) +
-                                  "; expected an int of 32 bits");
-    }
-    return static_cast<int>(whole);
+    return whole_of(value, "option '" + name + "'");
   }
-  if (PyNumber_Check(value.ptr())) return value.cast<double>();
+  if (PyNumber_Check(value.ptr())) {
+    return number_of(py::reinterpret_borrow<py::object>(value), "option '" + name + "'");
+  }
   throw std::invalid_argument("option '" + name + "' is " + std::string(py::repr(value)) +
                               "; expected a number or a text");
 }

@@ -76,12 +76,15 @@ PythonTerm::PythonTerm(const py::object& object) : name_(name_of(object)), objec
   traits_.unit = text("unit", "-");
   traits_.normalisation = text("normalisation", "");
   const py::object bound = py::getattr(object, "lower_bound", py::none());
-  if (!bound.is_none()) lower_bound_ = bound.cast<double>();
+  if (!bound.is_none()) {
+    lower_bound_ = number_of(bound, "term '" + name_ + "'.lower_bound");
+  }
 }
 
 int PythonTerm::rows(const Horizon& h) const {
   if (traits_.kind == TermKind::kCost) return 1;
-  return object_("rows", [&](const py::object& o) { return o.attr("rows")(h.N).cast<int>(); });
+  return object_(
+      "rows", [&](const py::object& o) { return whole_of(o.attr("rows")(h.N), name_ + ".rows"); });
 }
 
 std::vector<JacobianBlock> PythonTerm::jacobian_pattern(const Horizon& h) const {

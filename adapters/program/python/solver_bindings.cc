@@ -46,7 +46,7 @@ class Interrupts {
       return StopRequest::kCancelled;
     }
     try {
-      if (cancelled_ && (*cancelled_)().cast<bool>()) return StopRequest::kCancelled;
+      if (cancelled_ && py::bool_((*cancelled_)())) return StopRequest::kCancelled;
     } catch (...) {
       error_ = std::current_exception();
       return StopRequest::kCancelled;
@@ -104,7 +104,7 @@ Result solve(const PythonProblem& problem, const py::object& solver, const py::o
     const py::gil_scoped_release release;
     const std::string reason = back_end->explain_unsupported(problem.problem());
     if (!reason.empty()) throw std::invalid_argument(back_end->name() + ": " + reason);
-    const StopCondition stop = (seconds ? deadline(*seconds) : StopCondition()) ||
+    const StopCondition stop = (seconds ? deadline(checked_deadline(*seconds)) : StopCondition()) ||
                                StopCondition([interrupts] { return (*interrupts)(); });
     result = back_end->solve(problem.problem(), warm, options, stop);
   }
@@ -132,8 +132,11 @@ std::vector<TermOption> term_options(const py::dict& given, const std::string& t
                                   "SENTENCE)");
     }
     const auto t = py::reinterpret_borrow<py::tuple>(value);
-    options.push_back({name, t[0].cast<double>(), t[1].cast<double>(), t[2].cast<double>(),
-                       py::str(t[3]), py::str(t[4])});
+    const auto number = [&](int n) {
+      return number_of(t[static_cast<std::size_t>(n)],
+                       "term '" + term + "': option '" + name + "'");
+    };
+    options.push_back({name, number(0), number(1), number(2), py::str(t[3]), py::str(t[4])});
   }
   return options;
 }
