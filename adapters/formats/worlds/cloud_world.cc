@@ -39,11 +39,43 @@ Eigen::AlignedBox3d box_of(const std::vector<Vector3d>& points) {
   return box;
 }
 
+/// The middle one along each axis, in whole metres.
+Vector3d middle_of(const std::vector<Vector3d>& points) {
+  Vector3d middle;
+  std::vector<double> along(points.size());
+  for (int axis = 0; axis < 3; ++axis) {
+    std::transform(points.begin(), points.end(), along.begin(),
+                   [axis](const Vector3d& p) { return p[axis]; });
+    const auto half = along.begin() + static_cast<std::ptrdiff_t>(along.size() / 2);
+    std::nth_element(along.begin(), half, along.end());
+    middle[axis] = std::floor(*half);
+  }
+  return middle;
+}
+
+/// Points farther than a country is wide from the middle of all.
+void leave_out_far(PointCloud& cloud, const std::string& name) {
+  constexpr double kFarthest = 1e5;  // [m]
+  const Vector3d middle = middle_of(cloud.points);
+  const std::size_t all = cloud.points.size();
+  std::erase_if(cloud.points, [&](const Vector3d& p) {
+    return !((p - middle).cwiseAbs().maxCoeff() <= kFarthest);
+  });
+  const std::size_t far = all - cloud.points.size();
+  if (2 * far > all) {
+    throw InputError(
+        name + ": " + std::to_string(far) + " of " + std::to_string(all) +
+        " points are more than 100 km from the middle one; expected a cloud in metres");
+  }
+  if (far > 0) cloud.left_out.name(std::to_string(far) + " points more than 100 km off");
+}
+
 /// What of the points hangs together, as world_from_cloud() says.
 void leave_out_strays(PointCloud& cloud, const std::string& name) {
   using Block = std::array<int, 3>;
-  const auto block_of = [](const Vector3d& p) {
-    const Vector3d at = p.array().floor();
+  const Vector3d middle = middle_of(cloud.points);
+  const auto block_of = [&middle](const Vector3d& p) {
+    const Vector3d at = (p - middle).array().floor();
     return Block{static_cast<int>(at.x()), static_cast<int>(at.y()), static_cast<int>(at.z())};
   };
   struct Content {
@@ -316,8 +348,8 @@ void close_gaps(const Grid<std::uint8_t>& standing, bool any_size, Grid<std::uin
 }
 
 /// Positions count from the corner where they are far from the origin.
-void move_near(PointCloud& cloud, const std::string& name) {
-  constexpr double kFar = 1e4, kFarthest = 1e5;  // [m]
+void move_near(PointCloud& cloud) {
+  constexpr double kFar = 1e4;  // [m]
   const Eigen::AlignedBox3d box = box_of(cloud.points);
   if (box.min().cwiseAbs().maxCoeff() > kFar || box.max().cwiseAbs().maxCoeff() > kFar) {
     const bool high = std::abs(box.min().z()) > kFar;
@@ -328,9 +360,6 @@ void move_near(PointCloud& cloud, const std::string& name) {
     std::snprintf(text.data(), text.size(), "its origin (positions count from %.0f, %.0f m)",
                   corner.x(), corner.y());
     cloud.left_out.name(text.data());
-  }
-  if (!(box_of(cloud.points).sizes().maxCoeff() <= kFarthest)) {
-    throw InputError(name + ": points more than 100 km apart; expected a cloud in metres");
   }
 }
 
@@ -369,8 +398,9 @@ World world_from_cloud(PointCloud cloud, const std::string& name,
   }
   const Eigen::Matrix3d turned = upright(options.up);
   for (Vector3d& p : cloud.points) p = turned * p;
-  move_near(cloud, name);
+  leave_out_far(cloud, name);
   leave_out_strays(cloud, name);
+  move_near(cloud);
   const Vector3d size = box_of(cloud.points).sizes();
   const auto too_many_voxels = [&](double r) {
     const double voxels = (size.x() / r + 3.0) * (size.y() / r + 3.0) * (options.height / r + 2.0);

@@ -26,8 +26,9 @@ struct CloudWorldOptions {
 /// The world of points that were measured on surfaces. A cloud does not say where it is free: what
 /// stands over a floor and holds no point is (our choice).
 ///
-/// Stray points: of blocks of a metre that touch, those of the part with the most points count; the
-/// rest is left out and told if that halves the box.
+/// Stray points: what lies more than 100 km from the middle of all (the median along each axis) is
+/// left out and told. Of blocks of a metre that touch, those of the part with the most points
+/// count; the rest is left out and told if that halves the box.
 ///
 /// Floor: a point can be stood on if its column (a square of `resolution`) has none within a metre
 /// above it (between the faces of a floor slab there is less), and points in less than half of the

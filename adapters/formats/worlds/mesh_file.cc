@@ -46,6 +46,7 @@ bool is_mesh_file(const std::string& path) {
 
 #include "adapters/formats/files/bounded_child.h"
 #include "adapters/formats/files/input_error.h"
+#include "adapters/formats/files/parse_number.h"
 #include "adapters/formats/worlds/gltf_check.h"
 #include "adapters/formats/worlds/mesh_check.h"
 #include "adapters/formats/worlds/plain_collada.h"
@@ -256,14 +257,40 @@ class MeshFiles : public Assimp::DefaultIOSystem {
   std::string mesh_, content_;
 };
 
-/// What an .obj names that is not there or not read.
+/// Whether a line "v x y z ..." holds at least three numbers and nothing else: the library takes
+/// "1,5" for 1, and what is no number for 0. One that goes on in the next line is not looked at.
+bool is_vertex(std::string_view line) {
+  if (line.find('\\') != std::string_view::npos) return true;
+  constexpr std::string_view kBlank = " \t\r";
+  int numbers = 0;
+  for (std::size_t at = line.find_first_not_of(kBlank, 2); at != std::string_view::npos;
+       at = line.find_first_not_of(kBlank, at)) {
+    if (line[at] == '#') break;
+    const std::size_t end = std::min(line.find_first_of(kBlank, at), line.size());
+    std::string_view word = line.substr(at, end - at);
+    if (word.starts_with('+')) word.remove_prefix(1);
+    double number = 0.0;
+    if (!parse_number(word, number)) return false;
+    ++numbers;
+    at = end;
+  }
+  return numbers >= 3;
+}
+
+/// What an .obj names that is not there or not read. Throws for a vertex that is none.
 void tell_what_obj_lacks(const std::string& path, LeftOut& left_out) {
   std::ifstream in(path, std::ios::binary);
   const MeshFiles files(path);
+  std::size_t number = 0;
   for (std::string line; std::getline(in, line);) {
     constexpr std::string_view kKey = "mtllib ";
     if (line.starts_with("surf ") || line.starts_with("curv ")) {
       left_out.count("free-form " + std::string(line[0] == 's' ? "surface" : "curve"));
+    }
+    ++number;
+    if (line.starts_with("v ") && !is_vertex(line)) {
+      fail(path + ":" + std::to_string(number),
+           "the line " + in_quotes(line.substr(0, 60)) + "; expected v and three numbers");
     }
     if (!line.starts_with(kKey)) continue;
     std::string name = line.substr(kKey.size());
@@ -406,7 +433,7 @@ TexturedMesh import(const std::string& path, const std::string& extension, UpAxi
   } else if (extension == ".ply") {
     check_ply(bytes_of(path), path);
   } else if (extension == ".dae") {
-    content = plain_collada(bytes_of(path), mesh.left_out);
+    content = plain_collada(bytes_of(path), path, mesh.left_out);
     check_collada(content, path);
   } else {
     tell_what_obj_lacks(path, mesh.left_out);

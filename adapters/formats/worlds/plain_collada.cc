@@ -16,6 +16,7 @@
 #include <string_view>
 #include <vector>
 
+#include "adapters/formats/files/input_error.h"
 #include "adapters/formats/worlds/polygon_triangles.h"
 
 namespace prospect {
@@ -95,6 +96,39 @@ std::vector<Number> numbers(const char* text) {
     at = end;
   }
   return values;
+}
+
+/// As plain_collada() says.
+void check_lists(const XMLElement& element, const std::string& source) {
+  const std::string_view name = element.Name();
+  const std::string_view text = element.GetText() != nullptr ? element.GetText() : "";
+  const auto fail = [&](const std::string& what) {
+    throw InputError(source + ":" + std::to_string(element.GetLineNum()) + ": <" +
+                     std::string(name) + "> " + what);
+  };
+  if (name == "up_axis" && text != "X_UP" && text != "Y_UP" && text != "Z_UP") {
+    fail("is '" + std::string(text.substr(0, 40)) + "'; expected X_UP, Y_UP or Z_UP");
+  }
+  if (name == "p" || name == "h" || name == "v" || name == "vcount") {
+    const std::size_t bad = text.find_first_not_of("0123456789- \t\r\n");
+    if (bad != std::string_view::npos) {
+      fail("holds '" + std::string(text.substr(bad, 20)) + "'; expected whole numbers");
+    }
+  }
+}
+
+/// An accessor of more than its array holds has what it holds.
+void keep_within_array(XMLElement& source) {
+  const XMLElement* array = source.FirstChildElement("float_array");
+  XMLElement* common = source.FirstChildElement("technique_common");
+  XMLElement* accessor = common != nullptr ? common->FirstChildElement("accessor") : nullptr;
+  if (array == nullptr || accessor == nullptr) return;
+  const std::uint64_t all = array->Unsigned64Attribute("count"),
+                      offset = accessor->Unsigned64Attribute("offset"),
+                      stride =
+                          std::max<std::uint64_t>(1, accessor->Unsigned64Attribute("stride", 1));
+  const std::uint64_t most = offset < all ? (all - offset) / stride : 0;
+  if (accessor->Unsigned64Attribute("count") > most) accessor->SetAttribute("count", most);
 }
 
 /// What a uri "#NAME" names.
@@ -263,12 +297,16 @@ class Polygons {
 
 }  // namespace
 
-std::string plain_collada(std::string text, LeftOut& left_out) {
+std::string plain_collada(std::string text, const std::string& source, LeftOut& left_out) {
   tinyxml2::XMLDocument document;
   if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS) return text;
   XMLElement* root = document.RootElement();
   if (root == nullptr) return text;
   each(*root, plain_texts);
+  each(*root, [&](XMLElement& element) {
+    check_lists(element, source);
+    if (std::string_view(element.Name()) == "source") keep_within_array(element);
+  });
   without(*root, {"instance_camera", "instance_light"});
   left_out.count("camera", without(*root, {"camera"}));
   left_out.count("light", without(*root, {"light"}));

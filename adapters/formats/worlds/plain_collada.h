@@ -10,8 +10,13 @@ namespace prospect {
 ///  * white space about texts and attributes goes, and comments within numbers, which XML lists do
 ///    not count;
 ///  * polygons with holes (<ph>) are <triangles>;
-///  * cameras and lights go, and are told in left_out: Assimp refuses two of them on one node.
+///  * cameras and lights go, and are told in left_out: Assimp refuses two of them on one node;
+///  * an accessor counts what is in its array at most: Assimp asks the accessor alone whether an
+///    index is within.
 /// Text that is no XML comes back as it is. There only where TinyXML-2 is.
-std::string plain_collada(std::string text, LeftOut& left_out);
+///
+/// Throws InputError for indices that are no whole numbers, of which Assimp makes vertices without
+/// end, and for an up_axis that is none. `source` stands for the file.
+std::string plain_collada(std::string text, const std::string& source, LeftOut& left_out);
 
 }  // namespace prospect

@@ -110,6 +110,18 @@ TEST(CloudWorld, WhatLiesFarOffIsLeftOut) {
   const World world = loaded(points);
   expect_room(world, "a stray point");
   EXPECT_NE(world.left_out.text().find("1 points that nothing connects"), std::string::npos);
+  // Beyond all that is measured, and where a cloud's corner would be taken to be.
+  points.pop_back();
+  for (const double off : {1e9, -1e300, 2e4, -2e4}) {
+    points.emplace_back(1.0, off, 0.5);
+    const World without = loaded(points);
+    expect_room(without, "a point far off");
+    EXPECT_NE(without.left_out.text().find("1 points "), std::string::npos)
+        << without.left_out.text();
+    EXPECT_EQ(without.left_out.text().find("origin"), std::string::npos) << without.left_out.text();
+    points.pop_back();
+  }
+  points.emplace_back(500.0, 0.0, 1.0);
   // UTM; a PLY, as floats of 4 bytes cannot tell such positions.
   std::string ply = "ply\nformat ascii 1.0\nelement vertex " + std::to_string(points.size() - 1) +
                     "\nproperty double x\nproperty double y\nproperty double z\nend_header\n";

@@ -406,6 +406,50 @@ TEST(MeshFile, SaysWhatIsWrong) {
   EXPECT_NE(problem(folder.write("text.gltf", "{\"asset\":")), "");
 }
 
+// The library takes "0,5" for 0, and a word for 0.
+TEST(MeshFile, AVertexOfAnObjIsThreeNumbers) {
+  const test::Folder folder("mesh vertices");
+  const std::string face = "v 1 0 0\nv 0 1 0\nf 1 2 3\n";
+  for (const char* bad :
+       {"v 0,5 0 0", "v 0 0", "v a b c", "v 0x1p1 0 0", "v 1e 0 0", "v 0 0 0 x"}) {
+    const std::string told =
+        problem(folder.write("a.obj", "# a\n" + std::string(bad) + '\n' + face));
+    EXPECT_NE(told.find("a.obj:2: the line '" + std::string(bad) + "'; expected v and three"),
+              std::string::npos)
+        << told;
+  }
+  for (const char* good : {"v  0\t0 0 ", "v +0.5 1e-3 -.5", "v 0 0 0 1.0",
+                           "v 0 0 0 0.1 0.2 0.3 # c", "v 0 0 \\\n0", "v 0 0 0\r"}) {
+    EXPECT_EQ(problem(folder.write("a.obj", std::string(good) + '\n' + face)), "") << good;
+  }
+}
+
+// The library reads on behind the numbers, whatever lies there, or makes vertices without end.
+TEST(MeshFile, ColladaListsAreAsLongAsTheyAreSaidToBe) {
+  const test::Folder folder("mesh lists");
+  const auto with = [&](const std::string& from, const std::string& to) {
+    std::string dae = triangle_dae("Z_UP");
+    const std::size_t at = dae.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    return problem(folder.write("a.dae", dae.replace(at, from.size(), to)));
+  };
+  EXPECT_EQ(with("Z_UP", "Z_UP"), "");
+  // An accessor may count too much, if no index does.
+  EXPECT_EQ(with("count=\"3\" stride", "count=\"9\" stride"), "");
+  for (const auto& [from, to] : {std::pair("<accessor ", "<accessor offset=\"1\" "),
+                                 {"id=\"a\" count=\"9\"", "id=\"a\" count=\"6\""},
+                                 {"stride=\"3\"", "stride=\"4\""}}) {
+    EXPECT_NE(with(from, to).find("Invalid data index"), std::string::npos) << to;
+  }
+  for (const char* bad : {"0 1`2", "0 1.5 2", "0 1 x", "0 1 \u00a02"}) {
+    EXPECT_NE(
+        with("<p>0 1 2</p>", "<p>" + std::string(bad) + "</p>").find("expected whole numbers"),
+        std::string::npos)
+        << bad;
+  }
+  EXPECT_NE(with("Z_UP", "W_UP").find("<up_axis> is 'W_UP'; expected X_UP"), std::string::npos);
+}
+
 TEST(MeshFile, SurvivesTornFiles) {
   // Cut anywhere: an error of one line or a mesh that is whole, never anything else.
   const test::Folder folder("mesh torn");
