@@ -118,6 +118,23 @@ void tell_unknown_place(const Belief& belief, const PlannerParameters& parameter
   }
 }
 
+/// The body where nothing is, for its discs or spheres: to find them takes milliseconds, of a hull
+/// of many corners a quarter of a second, which no step with a deadline has.
+std::shared_ptr<const BodyClearance> body_alone(const RobotDescription& robot) {
+  const VerticalExtent heights = vertical_extent(robot.shape);
+  const double size = 1.0 + circumscribed_radius(robot.shape) +
+                      std::max(std::abs(heights.z_min), std::abs(heights.z_max));
+  const GridFrame frame{size, 0, 0, 1, 1};
+  ClearanceField::Options options;
+  options.reach = options.cutoff = size;
+  options.vertical = robot.model->pose_layout().pz >= 0;
+  options.slice = robot.slice();
+  return std::make_shared<const BodyClearance>(
+      std::make_shared<const ClearanceField>(Eigen::Vector3d::Zero(), VoxelGrid(frame, 0.0, size),
+                                             GroundMap(frame), options),
+      robot.shape);
+}
+
 /// Why nothing can be planned from this belief; empty if something can.
 std::string unusable(const Belief& belief) {
   if (!belief.octree || !belief.voxels || !belief.ground ||
@@ -127,7 +144,7 @@ std::string unusable(const Belief& belief) {
   if (!belief.pose.position.allFinite() || !std::isfinite(belief.pose.yaw)) {
     return "the pose is not finite";
   }
-  if (belief.pose.position.cwiseAbs().maxCoeff() > kFarthest) return "the pose is out of range";
+  if (belief.pose.position.cwiseAbs().maxCoeff() >= kFarthest) return "the pose is out of range";
   if (!is_finite(belief.twist)) return "the velocity is not finite";
   if (belief.command && !is_finite(*belief.command)) return "the command in force is not finite";
   if (!std::isfinite(belief.stamp)) return "the stamp is not finite";
@@ -314,6 +331,8 @@ struct Planner::Impl {
   PolishOptions polish_options;
   double judged_resolution = parameters.map_resolution;  // [m]; 0: none yet
   std::string misfit{};                                  // of it
+
+  std::shared_ptr<const BodyClearance> body = body_alone(robot);
 
   // From one step to the next.
   CachedEvaluators evaluators;  // of the last step that was made
@@ -687,6 +706,7 @@ bool Planner::Impl::take_clearance(const Belief& belief, const StepTime& time,
   ClearanceEvaluators& now = making.evaluators;
   const bool has_earlier = clearance_work.newest().has_value();
   if (has_earlier && now.occupied == nullptr) now = *clearance_work.newest();
+  if (now.body == nullptr) now.body = body;
   clearance_work.update(
       belief.stamp,
       [specification = making.specification, before = now](const PausePoint& pause) {

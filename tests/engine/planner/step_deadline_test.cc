@@ -158,6 +158,30 @@ TEST_F(StepDeadline, OfABaseThatMovesInSpace) {
   expect_in_time(kDeadline);
 }
 
+// To find the spheres that cover such a hull took 0.26 s of the first step.
+TEST_F(StepDeadline, OfABodyOfManyCorners) {
+  constexpr double kDeadline = 0.01;
+  constexpr int kCorners = 500;
+  ConvexShape hull;
+  for (int n = 0; n < kCorners; ++n) {
+    const double z = -1.0 + (2.0 * n + 1.0) / kCorners, across = std::sqrt(1.0 - z * z);
+    hull.vertices.emplace_back(0.3 * across * std::cos(2.4 * n), 0.2 * across * std::sin(2.4 * n),
+                               0.1 * z);
+  }
+  RobotDescription robot;
+  robot.model = make_model("multirotor");
+  robot.shape = hull;
+  PlannerParameters parameters;
+  parameters.deadline = kDeadline;
+  planner_ = std::make_unique<Planner>(robot, parameters, std::make_shared<test::IdleSolver>());
+  give_rooms(belief_, 8.0);
+  belief_.pose.position.z() = 0.3;
+  for (int n = 0; n < 30; ++n) EXPECT_NE(step().fault, PlanFault::kError) << plans_.back().detail;
+  EXPECT_EQ(plans_.back().fault, PlanFault::kNone) << plans_.back().detail;
+  expect_in_time(kDeadline);
+  EXPECT_LT(*std::max_element(times_.begin(), times_.end()), 0.1);
+}
+
 // A robot that drives has time between two steps.
 TEST_F(StepDeadline, WhatIsUnfinishedIsGoneOnWithBetweenSteps) {
   begin(0.001);
@@ -315,6 +339,7 @@ TEST_F(StepDeadline, OfHostileBeliefs) {
   const std::pair<PlanFault, Change> rows[] = {
       {PlanFault::kBelief, [](Belief& b) { b.pose.yaw = kNan; }},
       {PlanFault::kBelief, [](Belief& b) { b.pose.position.x() = 1e300; }},
+      {PlanFault::kBelief, [](Belief& b) { b.pose.position.z() = -1e6; }},
       {PlanFault::kBelief, [](Belief& b) { b.twist.linear.x() = kNan; }},
       {PlanFault::kBelief, [](Belief& b) { b.voxels = nullptr; }},
       {PlanFault::kBelief, [](Belief& b) { b.octree = nullptr; }},
