@@ -59,6 +59,21 @@ Matrix3d composed_covariance(const Vector3d& a, const Matrix3d& A, const Vector3
          J.rightCols<3>() * B * J.rightCols<3>().transpose();
 }
 
+/// The way back: composed(inverse(a), a) = 0.
+Vector3d inverse(const Vector3d& a) {
+  Vector3d back;
+  back << -(rotation(-a[2]) * a.head<2>()), -a[2];
+  return back;
+}
+
+/// Its covariance, if A is that of a.
+Matrix3d inverse_covariance(const Vector3d& a, const Matrix3d& A) {
+  Matrix3d J = -Matrix3d::Identity();
+  J.topLeftCorner<2, 2>() = -rotation(-a[2]);
+  J.topRightCorner<2, 1>() = rotation(-a[2]) * kTurn * a.head<2>();
+  return J * A * J.transpose();
+}
+
 /// The larger eigenvalue of the covariance of a position.
 double largest_variance(const Matrix2d& C) {
   const double mean = 0.5 * (C(0, 0) + C(1, 1));
@@ -304,14 +319,20 @@ void WheelFusion::work_in(const VisualMotion& visual) {
     visual_reason_ = "visual odometry is lost";
     return;
   }
-  if (!has_reference_) {
-    visual_ = Localization::kLost;
-    visual_reason_ = "visual odometry has no reference yet";
-    return;
-  }
   if (!(visual.motion.norm() <= kFarthestMotion) || !is_covariance(visual.covariance)) {
     visual_ = Localization::kLost;
     visual_reason_ = "a visual motion is not possible";
+    return;
+  }
+  if (!has_reference_) {
+    // The frame that began the map was left out, as the wheels spoke first: it is this one.
+    take_reference();
+    has_reference_ = true;
+    visual_ = Localization::kDegraded;
+    visual_reason_ = "a new visual map begins";
+    if (visual.becomes_reference) return;
+    detour_ = inverse(visual.motion);
+    detour_covariance_ = inverse_covariance(visual.motion, visual.covariance);
     return;
   }
   // Since the filter's reference, if one came in between that was not taken.

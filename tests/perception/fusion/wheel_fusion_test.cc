@@ -107,6 +107,40 @@ double error_of(const FusedOdometry& fused, const Vector3d& truth) {
   return (fused.pose.position.head<2>() - truth.head<2>()).norm();
 }
 
+// Wheels that speak a moment before the first pair is told of; a robot that stands takes no other
+// reference, and one whose localization is degraded stands.
+TEST(WheelFusion, AMapThatBeganBeforeTheWheelsSpokeIsFollowed) {
+  for (const double speed : {0.0, 0.4}) {
+    const double rate = speed;
+    const auto arc = [&](double t) {
+      if (rate == 0.0) return Vector3d(0.0, 0.0, 0.0);
+      return Vector3d(speed / rate * std::sin(rate * t), speed / rate * (1.0 - std::cos(rate * t)),
+                      rate * t);
+    };
+    WheelFusion fusion{WheelFusionOptions()};
+    fusion.add(WheelSample{1.001, {speed, 0.0}, rate});
+    VisualMotion visual;
+    visual.stamp = 1.0;
+    visual.state = Localization::kOk;
+    visual.begins_map = true;
+    fusion.add(visual);
+    visual.begins_map = false;
+    visual.covariance = Vector3d(1e-6, 1e-6, 1e-6).asDiagonal();
+    for (int k = 1; k <= 40; ++k) {
+      visual.stamp = 1.0 + k / 15.0;
+      visual.motion = arc(visual.stamp - 1.0);
+      fusion.add(WheelSample{visual.stamp + 0.001, {speed, 0.0}, rate});
+      fusion.add(visual);
+      const FusedOdometry fused = fusion.at(visual.stamp);
+      if (k < 3) continue;
+      ASSERT_EQ(fused.state, Localization::kOk) << k << ": " << fused.reason;
+      EXPECT_LT(error_of(fused, arc(visual.stamp - 1.001)), 0.003) << k;
+      EXPECT_NEAR(fused.pose.yaw, rate * (visual.stamp - 1.001), 0.003) << k;
+      EXPECT_LT(fused.covariance(0, 0), 1e-4);
+    }
+  }
+}
+
 // A reference whose own motion was measured with an error: the filter knows it through the clone.
 TEST(WheelFusion, ItsCovarianceIsHonest) {
   NOT_UNDER_SANITIZERS("statistics repeat a step of other tests a thousand times");
