@@ -11,6 +11,15 @@ SimulationClock::SimulationClock(const Clock& machine) noexcept
 void SimulationClock::tick(double stamp) noexcept {
   const std::lock_guard lock(mutex_);
   if (!std::isfinite(stamp) || (ticked_ && stamp <= stamp_)) return;
+  constexpr double kLeap = 1.0, kFastest = 10.0;  // [s] and [s/s] that need nobody who agrees
+  const auto leaps = [&](double from) {
+    return stamp - from > kLeap + kFastest * (machine_.now() - arrival_);
+  };
+  if (ticked_ && leaps(stamp_) && (!leapt_ || stamp < *leapt_ || leaps(*leapt_))) {
+    leapt_ = stamp;
+    return;
+  }
+  leapt_.reset();
   constexpr double kCounted = 0.5;  // [s]
   stamp_ = stamp;
   arrival_ = machine_.now();

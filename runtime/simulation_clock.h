@@ -1,6 +1,7 @@
 #pragma once
 
 #include <mutex>
+#include <optional>
 
 #include "runtime/clock.h"
 
@@ -18,7 +19,11 @@ namespace prospect {
 /// (docs/results/gazebo.md). Time never goes back: where a tick is behind, the clock stands until
 /// ticks have caught up. Before the first tick it begins at zero, with the machine's clock.
 ///
-/// After tick(s), now() >= s. Thread-safety: any thread. Nothing here throws.
+/// One tick that is ahead by more than a second and ten times what has passed since the one before
+/// decides nothing: it counts once the next one agrees. So no message that is wrong sends time to
+/// where no later one reaches.
+///
+/// After tick(s) that counts, now() >= s. Thread-safety: any thread. Nothing here throws.
 class SimulationClock final : public Clock {
  public:
   /// Of the machine; it outlives this.
@@ -39,6 +44,7 @@ class SimulationClock final : public Clock {
   double stamp_ = 0.0, arrival_;                  // [s] of the newest tick, in either clock
   double rate_stamp_ = 0.0, rate_arrival_ = 0.0;  // since when the rate is counted
   double rate_ = 1.0;                             // [s/s]
+  std::optional<double> leapt_;                   // [s] of a tick that does not count yet
   bool ticked_ = false;
   mutable double newest_ = 0.0;  // [s] that now() has said
 };

@@ -44,6 +44,10 @@ TEST(SimulationClock, StandsWithTheSimulationAndGoesOnOnceItIsLost) {
   // It is back: time stands until ticks have caught up, and never goes back.
   clock.tick(50.2);
   EXPECT_NEAR(clock.now(), 55.1, 1e-9);
+  machine.advance(0.1);
+  clock.tick(51.0);
+  EXPECT_NEAR(clock.now(), 55.1, 1e-9);
+  machine.advance(1.1);
   clock.tick(61.0);
   EXPECT_NEAR(clock.now(), 61.0, 1e-9);
 }
@@ -60,12 +64,44 @@ TEST(SimulationClock, TakesNoTimeThatIsNone) {
   EXPECT_EQ(clock.now(), 7.0);
 }
 
+// Else one wrong message ends the mission: no later tick would reach it.
+TEST(SimulationClock, OneTickFarAheadDecidesNothing) {
+  ManualClock machine(1000.0);
+  SimulationClock clock(machine);
+  double now = 50.0;
+  const auto go = [&] {
+    machine.advance(0.05);
+    clock.tick(now += 0.05);
+  };
+  for (int k = 0; k < 20; ++k) go();
+  clock.tick(1e9);
+  EXPECT_NEAR(clock.now(), now, 0.06);
+  go();
+  EXPECT_NEAR(clock.now(), now, 1e-9);
+  clock.tick(700.0);
+  clock.tick(2e9);  // nor do two that do not agree
+  clock.tick(300.0);
+  go();
+  EXPECT_NEAR(clock.now(), now, 1e-9);
+  // A simulation that has leapt goes on from there.
+  clock.tick(now = 900.0);
+  go();
+  EXPECT_NEAR(clock.now(), now, 1e-9);
+  // Ten seconds of silence are none.
+  machine.advance(10.0);
+  clock.tick(910.0);
+  EXPECT_NEAR(clock.now(), 910.0, 1e-9);
+}
+
 TEST(SimulationClock, WaitsForItsOwnTime) {
   const SteadyClock machine;
   SimulationClock clock(machine);
   clock.tick(100.0);
   std::stop_source stop;
-  std::jthread ticks([&] { clock.tick(200.0); });
+  std::jthread ticks([&] {
+    clock.tick(200.0);
+    clock.tick(200.1);
+  });
   EXPECT_TRUE(clock.wait_until(150.0, stop.get_token()));
   EXPECT_GE(clock.now(), 200.0);
   stop.request_stop();
