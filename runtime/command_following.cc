@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "models/formatted.h"
 #include "models/knobs.h"
@@ -21,6 +22,9 @@ constexpr std::array kSides = {1.0, -1.0};
 std::array<double, 3> axes(const Twist& twist) {
   return {twist.linear.x(), twist.linear.y(), twist.yaw_rate};
 }
+
+/// What a sum grows by, where it is beyond a bound, or falls by, where it is within a looser one.
+double beyond(double strict, double loose) { return strict > 0.0 ? strict : std::min(0.0, loose); }
 
 }  // namespace
 
@@ -76,11 +80,8 @@ double CommandFollowing::limit(int axis, bool more) const {
   return more ? options_.more_distance : options_.less_distance;
 }
 
-double CommandFollowing::least_of(const Sums& sums, double told, double speed, double least) const {
-  const double unknown =
-      options_.slip + (options_.hold - options_.slip) * std::min(1.0, sums.held / kHeld);
-  return std::max({0.0, told - options_.slip * speed - least,
-                   sums.share * told - std::max(unknown * speed, least)});
+double CommandFollowing::unknown(const Sums& sums) const {
+  return options_.slip + (options_.hold - options_.slip) * std::min(1.0, sums.held / kHeld);
 }
 
 void CommandFollowing::learn(Sums& sums, const Band& told, double measured, double least,
@@ -88,8 +89,8 @@ void CommandFollowing::learn(Sums& sums, const Band& told, double measured, doub
   const double mean = 0.5 * (told.low + told.high);
   if (std::abs(mean) < 3.0 * least || told.high - told.low > 0.1 * std::abs(mean)) return;
   const double way = std::abs(mean) * dt;
-  sums.held = std::min(sums.held + way, kHeld);
   const double share = std::clamp(measured / mean, 1.0 - options_.slip, 1.0 + options_.slip);
+  sums.held = std::min(sums.held + way, kHeld);
   sums.share +=
       (share - sums.share) * std::min(1.0, way / (sums.held < kHeld ? sums.held : kForgotten));
 }
@@ -101,6 +102,8 @@ void CommandFollowing::add(Witness& witness, double from, double until,
   const auto farthest = [](const Band& band) {
     return std::max(std::abs(band.low), std::abs(band.high));
   };
+  // What the ground adds may change at once.
+  const bool at_wheels = &witness == &wheels_;
   bool stands = true;
   for (int axis = 0; axis < kAxes; ++axis) {
     const auto at = static_cast<std::size_t>(axis);
@@ -113,6 +116,7 @@ void CommandFollowing::add(Witness& witness, double from, double until,
     Sums& sums = witness.sums[at];
     sums.measured = m;
     sums.told = band;
+    const double u = unknown(sums);
     const auto grow = [&](double& sum, double by, double most) {
       // What holds on is over soon after it has ended.
       sum = std::clamp(sum + std::min(by, most / 3.0), 0.0, 2.5 * most);
@@ -124,12 +128,18 @@ void CommandFollowing::add(Witness& witness, double from, double until,
       const double away = std::max(0.0, side > 0.0 ? -band.high : band.low);
       const double away_at_most = std::max(0.0, side > 0.0 ? -band.low : band.high);
       const double weight = to == 0.0 && away_at_most > least ? kAgainst : 1.0;
-      grow(sums.more[k],
-           weight * (side * m - to - options_.slip * std::hypot(to, across) - least) * dt,
-           limit(axis, true));
+      const double along = std::hypot(to, across), back = std::hypot(away, across);
       const double made = std::max(0.0, -side * m);
-      const double asked = least_of(sums, away, std::hypot(away, across), least);
-      const double by = asked > 0.0 ? (asked - made) * dt : -least * dt;
+      // By what has been learned, and by slip alone: what is between grows and falls least.
+      const double most = at_wheels ? std::max(1.0, sums.share) * to + std::max(u * along, least)
+                                    : std::numeric_limits<double>::infinity();
+      const double slips = to + options_.slip * along + least;
+      grow(sums.more[k], weight * beyond(side * m - std::min(most, slips), side * m - slips) * dt,
+           limit(axis, true));
+      const double asked = std::min(1.0, sums.share) * away - std::max(u * back, least);
+      const double slipped = std::max(0.0, away - options_.slip * back - least);
+      const double wanted = std::max(asked, slipped);
+      const double by = wanted > 0.0 ? beyond(wanted - made, slipped - made) * dt : -least * dt;
       grow(sums.less[k], by, limit(axis, false));
       // Who moves, but less, was not stopped by anything.
       grow(sums.slower[k], made > least ? by : -least * dt, limit(axis, true));

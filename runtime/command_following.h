@@ -61,7 +61,7 @@ std::string to_text(const Departure& departure);
 /// Page 1954), so a constant error of any size is found after a way of its own, and noise about
 /// zero never. With to = max(0, most told to that side), away = max(0, least told away from it):
 ///     more += w (side m - to - slip |(to, across)| - least_speed) dt
-///     less += (asked - made) dt, made = max(0, -side m)
+///     less += (away - slip |(away, across)| - least_speed - made) dt, made = max(0, -side m)
 ///     slower += the same, while made > least_speed: who moves was not stopped by anything
 /// across: the most told on the other axis (of yaw: 0), as who slips or is turned a little in W
 /// moves to the side, too; away from a side there is no slip to it. w = 2 where nothing was told to
@@ -69,11 +69,12 @@ std::string to_text(const Departure& departure);
 ///
 /// Slip is a number that nobody knows, within 1 - slip and 1 + slip, but it does not change with
 /// each command. So each axis of each witness has a mean share g = m / told of the time in which it
-/// was told nearly the same for the whole band, of its first 0.5 m or rad, then forgotten over 4,
-/// and what is asked is
-///     asked = max(away - slip |(away, across)| - least_speed,
-///                 g away - max(u |(away, across)|, least_speed))
-/// with u from slip (nothing held yet) to hold (from 0.5 m or rad on).
+/// was told nearly the same for the whole band, of its first 0.5 m or rad, then forgotten over 4.
+/// With u from slip (nothing held yet) to hold (from 0.5 m or rad on) the sums grow also by
+///     side m - max(1, g) to - max(u |(to, across)|, least_speed), of the wheels alone: what the
+///                                                          ground adds may change at once
+///     min(1, g) away - max(u |(away, across)|, least_speed) - made
+/// but fall only where it is within slip, too.
 /// One sample adds at most a third of the limit: one alone decides nothing. Who stands as it is
 /// told to begins the sums anew.
 ///
@@ -119,7 +120,7 @@ class CommandFollowing {
   Bands told_in(double from, double until) const;
   void add(Witness& witness, double from, double until, const std::array<double, kAxes>& measured);
   void learn(Sums& sums, const Band& told, double measured, double least, double dt) const;
-  double least_of(const Sums& sums, double told, double speed, double least) const;
+  double unknown(const Sums& sums) const;  // u of the header
   void add_wheels(const BaseReport& base);
   void add_pose(double now, const Belief* belief);
   double limit(int axis, bool more) const;

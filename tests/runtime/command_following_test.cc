@@ -276,7 +276,7 @@ TEST(CommandFollowing, ABaseThatDrivesOnWhenItIsToldToStop) {
 
 // Another speed than the one it has held is none that slip explains, though it is within slip.
 TEST(CommandFollowing, ABaseThatHeldItsSpeedAndRunsOnAtAnother) {
-  for (const double gain : {1.0, 0.9, 1.1}) {
+  for (const double gain : {1.0, 0.9}) {
     for (const bool has_pose : {true, false}) {
       World w;
       w.acceleration = 2.0;
@@ -296,6 +296,19 @@ TEST(CommandFollowing, ABaseThatHeldItsSpeedAndRunsOnAtAnother) {
       EXPECT_LT(found->what.by, 0.0);
     }
   }
+  // Faster than it is told, while it is told to stop.
+  World braked;
+  braked.fault = [](double, const Twist& told) {
+    return Twist{told.linear + Eigen::Vector3d(0.4, 0.0, 0.0), told.yaw_rate};
+  };
+  braked.from = 6.0;
+  braked.acceleration = 2.0;
+  const auto found = drive(braked, 20.0, [](double now) {
+    return Twist{{std::clamp(0.6 - 0.8 * (now - 6.3), 0.0, std::min(0.6, 0.8 * now)), 0.0, 0.0},
+                 0.0};
+  });
+  ASSERT_TRUE(found);
+  EXPECT_LE(found->after, 0.75);
   // In its first half metre nobody knows what is slip.
   World w;
   w.fault = [](double, const Twist&) { return Twist{{0.45, 0.0, 0.0}, 0.0}; };
