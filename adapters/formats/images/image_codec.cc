@@ -1,16 +1,25 @@
 #include "adapters/formats/images/image_codec.h"
 
+#include <exception>
 #include <opencv2/core.hpp>
 #include <string>
 
 #include "adapters/formats/files/input_error.h"
+#include "adapters/formats/images/plain_png.h"
 #ifdef PROSPECT_IMAGE_CODECS
 #include <dlfcn.h>
-#else
-#include "adapters/formats/images/plain_png.h"
 #endif
 
 namespace prospect {
+namespace {
+
+std::vector<std::uint8_t> encoded_without_codecs(const std::string& ending, const cv::Mat& pixels) {
+  if (ending != ".png") return {};
+  return plain_png(pixels);
+}
+
+}  // namespace
+
 #ifdef PROSPECT_IMAGE_CODECS
 namespace {
 
@@ -55,17 +64,30 @@ const Codecs& codecs() {
 
 void load_image_codecs() { codecs(); }
 
+void load_image_codecs_if_there() noexcept {
+  try {
+    codecs();
+  } catch (const std::exception&) {  // whoever needs them asks again, and is told
+  }
+}
+
 cv::Mat decode_pixels(const cv::Mat& bytes, int flags) { return codecs().decode(bytes, flags); }
 
 std::vector<std::uint8_t> encode_pixels(const std::string& ending, const cv::Mat& pixels,
                                         const std::vector<int>& parameters) {
   std::vector<std::uint8_t> bytes;
+  try {
+    codecs();
+  } catch (const InputError&) {
+    return encoded_without_codecs(ending, pixels);
+  }
   if (!codecs().encode(ending, pixels, bytes, parameters)) bytes.clear();
   return bytes;
 }
 #else
 // PNG alone, and written only.
 void load_image_codecs() {}
+void load_image_codecs_if_there() noexcept {}
 
 cv::Mat decode_pixels(const cv::Mat&, int) {
   throw InputError(
@@ -75,8 +97,7 @@ cv::Mat decode_pixels(const cv::Mat&, int) {
 
 std::vector<std::uint8_t> encode_pixels(const std::string& ending, const cv::Mat& pixels,
                                         const std::vector<int>&) {
-  if (ending != ".png") return {};
-  return plain_png(pixels);
+  return encoded_without_codecs(ending, pixels);
 }
 #endif
 

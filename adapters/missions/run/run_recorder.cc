@@ -211,7 +211,7 @@ std::vector<TermWeight> term_weights(const Problem& problem,
 struct RunRecorder::Impl {
   Impl(const Configuration& c, std::uint64_t its_seed, bool keeps)
       : configuration(c), seed(its_seed), keep_steps(keeps) {
-    if (keep_steps) load_image_codecs();
+    if (keep_steps) load_image_codecs_if_there();
   }
 
   const Configuration& configuration;

@@ -114,7 +114,7 @@ class PageViewer final : public Viewer {
 
 PageShow::PageShow(double resolution, bool real_time, DriveCommands& commands)
     : resolution_(resolution), real_time_(real_time), commands_(commands) {
-  load_image_codecs();
+  load_image_codecs_if_there();
   renew_status();
 }
 
