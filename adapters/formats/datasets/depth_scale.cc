@@ -101,6 +101,16 @@ std::vector<double> disagreements(const DepthPoses& poses, const PinholeCamera& 
   return off;
 }
 
+/// Why poses with that disagreement do not tell the scale; empty if they hardly move.
+std::string why_untold(double off, double fits) {
+  if (std::isnan(off)) {
+    return ", which the poses cannot tell: by them the images show nothing in common";
+  }
+  if (off < fits) return "";
+  return ", which the poses cannot tell: images and poses disagree by " + percent_text(off) +
+         ", with another scale by little less or more; poses, their frame or the lens may be wrong";
+}
+
 /// Where the least of them is.
 std::size_t least(const std::vector<double>& off) {
   std::size_t best = 0;
@@ -158,6 +168,7 @@ DepthScale choose_depth_scale(const DepthSource& source, const DepthDatasetOptio
   }
   const std::string given = options.depth_scale ? "given" : "by the layout's rule";
   out.note = "depth scale " + scale_text(out.per_metre) + " a metre, " + given;
+  std::string unchecked;  // why the poses do not tell
   if (!source.poses.empty()) {
     std::vector<double> off = disagreements(source.poses, camera, frames, raw, candidates);
     std::size_t best = least(off);
@@ -202,9 +213,10 @@ DepthScale choose_depth_scale(const DepthSource& source, const DepthDatasetOptio
       return out;
     }
     out.note += order;
+    unchecked = why_untold(off[0], kFits);
     if (off[0] > kContradicts) {
       out.note += ", but images and poses disagree by " + percent_text(off[0]) +
-                  ": --depth-scale states another";
+                  ": --depth-scale states another, if the poses and the lens are right";
       out.doubtful = true;
       return out;
     }
@@ -236,7 +248,8 @@ DepthScale choose_depth_scale(const DepthSource& source, const DepthDatasetOptio
     return out;
   }
   if (!options.depth_scale) {
-    out.note += "; neither poses that move nor --camera-height to check it with";
+    out.note += unchecked.empty() ? "; neither poses that move nor --camera-height to check it with"
+                                  : unchecked;
   }
   return out;
 }

@@ -28,6 +28,13 @@ void check_order(const Trajectory& trajectory, double stamp, const std::string& 
   }
 }
 
+/// Sums and products of a position that is finite, but of no place, are not.
+void check_place(const Eigen::Vector3d& position, const std::string& where) {
+  constexpr double kFarthest = 1e8;  // [m]: the earth's centre is 6.4e6 off, northings of UTM 1e7
+  if (position.cwiseAbs().maxCoeff() <= kFarthest) return;
+  throw InputError(where + ": not a pose; expected a place within 100000 km");
+}
+
 }  // namespace
 
 Eigen::Isometry3d checked_pose(const Eigen::Vector3d& position, const Eigen::Quaterniond& rotation,
@@ -35,6 +42,7 @@ Eigen::Isometry3d checked_pose(const Eigen::Vector3d& position, const Eigen::Qua
   if (!(std::abs(rotation.norm() - 1.0) < 0.01) || !position.allFinite()) {
     throw InputError(where + ": not a pose; expected finite numbers and a unit quaternion");
   }
+  check_place(position, where);
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   T.linear() = rotation.normalized().toRotationMatrix();
   T.translation() = position;
@@ -47,6 +55,7 @@ Eigen::Isometry3d checked_pose(const Eigen::Vector3d& position, const Eigen::Mat
       rotation.determinant() < 0.0 || !position.allFinite()) {
     throw InputError(where + ": not a pose; expected finite numbers and a rotation");
   }
+  check_place(position, where);
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   T.linear() = nearest_rotation(rotation).toRotationMatrix();
   T.translation() = position;

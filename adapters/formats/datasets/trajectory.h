@@ -16,7 +16,8 @@ using Trajectory = std::vector<TimedPose>;
 
 /// The pose of a position and a quaternion that may be off unit length by 0.01, or of a matrix that
 /// may be off a rotation by as much. Throws InputError, `where: not a pose; ...`, of others, as
-/// filters and trackers write where they know none: zeros, NaN, infinities.
+/// filters and trackers write where they know none: zeros, NaN, infinities, and of places more than
+/// 100000 km off.
 Eigen::Isometry3d checked_pose(const Eigen::Vector3d& position, const Eigen::Quaterniond& rotation,
                                const std::string& where);
 Eigen::Isometry3d checked_pose(const Eigen::Vector3d& position, const Eigen::Matrix3d& rotation,

@@ -11,6 +11,7 @@
 #include <opencv2/core.hpp>
 #include <sstream>
 #include <string>
+#include <tuple>
 
 #include "adapters/formats/files/input_error.h"
 #include "tests/images/image_file.h"
@@ -252,6 +253,40 @@ TEST_F(DepthDatasetTest, DepthScaleByThePoses) {
   EXPECT_FALSE(DepthDataset::open(folder_, options).depth_scale_doubtful());
 }
 
+// They move, but fit no scale.
+TEST_F(DepthDatasetTest, PosesThatCannotTellTheScaleAreNamed) {
+  recording_.frames = 8;
+  recording_.write_tum(folder_);
+  std::ifstream in(folder_ + "/groundtruth.txt");
+  const std::string metres{std::istreambuf_iterator<char>(in), {}};
+  in.close();
+  // Too far between them; or turned by 0.7 degrees a frame that the camera did not turn.
+  for (const auto& [times, turned, said] :
+       {std::tuple(1000.0, 0.0, "the poses cannot tell: by them the images show nothing in common"),
+        {1.0, 0.012, "the poses cannot tell: images and poses disagree by"}}) {
+    std::istringstream lines(metres);
+    std::string spoilt;
+    int frame = 0;
+    for (std::string line; std::getline(lines, line);) {
+      if (line.empty() || line[0] == '#') continue;
+      std::istringstream words(line);
+      std::string stamp;
+      double x, y, z;
+      Eigen::Quaterniond q;
+      words >> stamp >> x >> y >> z >> q.x() >> q.y() >> q.z() >> q.w();
+      q = q * Eigen::AngleAxisd(turned * frame++, Eigen::Vector3d::UnitX());
+      std::ostringstream text;
+      text << stamp << ' ' << times * x << ' ' << times * y << ' ' << times * z << ' ' << q.x()
+           << ' ' << q.y() << ' ' << q.z() << ' ' << q.w() << '\n';
+      spoilt += text.str();
+    }
+    write("groundtruth.txt", spoilt);
+    const std::string note = DepthDataset::open(folder_).notes().back();
+    EXPECT_THAT(note, HasSubstr(said));
+    EXPECT_EQ(note.find("neither poses"), std::string::npos) << note;
+  }
+}
+
 TEST_F(DepthDatasetTest, QuaternionsWithWFirst) {
   recording_.frames = 8;
   recording_.write_tum(folder_);
@@ -317,7 +352,9 @@ TEST_F(DepthDatasetTest, FramesWithoutAFinitePoseAreLeftOut) {
   for (const std::string& pose :
        {inf + inf + inf + inf, inf + inf + inf + "0 0 0 1\n", nan + nan + nan + nan,
         std::string("1 0 0 0\n0 1 0 0\n0 0 -1 0\n0 0 0 1\n"),
-        std::string("1 0 0 0\n0 1 0 nan\n0 0 1 0\n0 0 0 1\n")}) {
+        std::string("1 0 0 0\n0 1 0 nan\n0 0 1 0\n0 0 0 1\n"),
+        std::string("1 0 0 0\n0 1 0 0\n0 0 1 1e300\n0 0 0 1\n"),
+        std::string("1 0 0 -2e8\n0 1 0 0\n0 0 1 0\n0 0 0 1\n")}) {
     recording_.write_seven_scenes(folder_);
     write("frame-000003.pose.txt", pose);
     const DepthDataset dataset = DepthDataset::open(folder_);
