@@ -58,7 +58,8 @@ TEST(FieldPicture, NothingIsNoPicture) {
   field.seconds.resize(3);  // not as many as cells
   EXPECT_TRUE(field_picture(field).png.empty());
   field.seconds.assign(4, 0.0F);  // all at the target
-  EXPECT_FALSE(field_picture(field).png.empty());
+  const cv::Mat at_target = test::decoded(field_picture(field).png, cv::IMREAD_UNCHANGED);
+  EXPECT_EQ(cv::countNonZero(at_target == 1), 4);
 }
 
 }  // namespace

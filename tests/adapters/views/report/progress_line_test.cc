@@ -1,11 +1,17 @@
 #include "adapters/views/report/progress_line.h"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <pty.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <sstream>
+#include <string>
+#include <tuple>
 
 namespace prospect::progress_line_test {
 namespace {
@@ -100,6 +106,41 @@ TEST(ProgressLine, IsQuietWhereThereIsNoTerminal) {
   for (int i = 0; i < 100; ++i) line.show(step(), "ipopt", i);
   line.finish();
   EXPECT_EQ(out.str(), "");
+}
+
+/// Standard error goes elsewhere for a while.
+class StandardError {
+ public:
+  explicit StandardError(int to) : before_(::dup(STDERR_FILENO)) { ::dup2(to, STDERR_FILENO); }
+  ~StandardError() {
+    ::dup2(before_, STDERR_FILENO);
+    ::close(before_);
+  }
+  StandardError(const StandardError&) = delete;
+  StandardError& operator=(const StandardError&) = delete;
+
+ private:
+  int before_;
+};
+
+TEST(ProgressLine, IsShownOnStandardErrorWhereThatIsATerminal) {
+  ::setenv("TERM", "xterm", 1);
+  int terminal[2], pipe[2];
+  ASSERT_EQ(::openpty(&terminal[0], &terminal[1], nullptr, nullptr, nullptr), 0);
+  ASSERT_EQ(::pipe(pipe), 0);
+  for (const auto& [to, from, shown] :
+       {std::tuple(terminal[1], terminal[0], true), {pipe[1], pipe[0], false}}) {
+    {
+      const StandardError elsewhere(to);
+      ProgressLine::on_stderr().show("a long way", 0.0);
+    }
+    ASSERT_EQ(::fcntl(from, F_SETFL, O_NONBLOCK), 0);
+    char text[200] = {};
+    const auto size = ::read(from, text, sizeof text - 1);
+    EXPECT_EQ(std::string(text).find("a long way") != std::string::npos, shown) << size;
+    ::close(to);
+    ::close(from);
+  }
 }
 
 TEST(ProgressLine, WritesAtMostTenTimesASecondAndTheLastStepAlways) {

@@ -61,6 +61,9 @@ TEST(RunFigure, TheScaleBarIsTrue) {
   EXPECT_EQ(figure.width(), 252.0);
   // 6 m and 0.3 m on either side on 244 pt: a metre is 36.97 pt. The bar is 1 m, from 5 pt on.
   EXPECT_THAT(figure.svg(), HasSubstr(" 41.97,"));
+  // 4.6 m high: 170.1 pt, and room for the bar and the margins.
+  EXPECT_GT(figure.height(), 170.1);
+  EXPECT_LT(figure.height(), 200.0);
 }
 
 TEST(RunFigure, EachColourSaysWhatItMeans) {
@@ -78,6 +81,7 @@ TEST(RunFigure, EachColourSaysWhatItMeans) {
     path.by = c.by;
     const std::string svg = path_figure(&map, path).svg();
     for (const std::string& word : c.words) EXPECT_THAT(svg, HasSubstr('>' + word + "</text>"));
+    EXPECT_EQ(svg.find(">look around</text>") != std::string::npos, c.by == PathColor::kMode);
     for (const char* word : {"start", "end", "1 m"}) {
       EXPECT_THAT(svg, HasSubstr('>' + std::string(word) + "</text>"));
     }
