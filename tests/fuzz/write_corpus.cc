@@ -318,6 +318,19 @@ std::string messages_of_log(const std::string& path) {
   return all;
 }
 
+/// A planner's step as planner_step_fuzz.cc takes it, in which `odd` of 256 bytes are any, and the
+/// others keep what they stand for: most settings as they are.
+std::string planner_step(unsigned odd) {
+  constexpr std::size_t kLength = 600;
+  std::string bytes(kLength, '\0');
+  std::uint32_t random = odd;
+  for (char& c : bytes) {
+    random = random * 1664525U + 1013904223U;
+    if (random >> 24U < odd) c = static_cast<char>(random >> 16U);
+  }
+  return bytes;
+}
+
 /// Beliefs whose maps and landmarks change, a plan and a task, as planner_calls_fuzz.cc takes them.
 std::string planner_calls() {
   PlannerCallWriter writer;
@@ -494,6 +507,9 @@ int main(int argc, char** argv) {
   write("logged_run", "messages", kind(1) + messages_of_log(scratch + ".mcap"));
   fs::remove(scratch + ".mcap");
   write("planner_calls", "plain", planner_calls());
+  for (const unsigned odd : {0U, 8U, 32U, 128U, 255U}) {
+    write("planner_step", std::to_string(odd) + " odd", planner_step(odd));
+  }
   write("image", "pgm", pgm);
   write("image", "png", image(".png", CV_16UC1));
   write("image", "colour", image(".png", CV_8UC3));
