@@ -1,9 +1,9 @@
-#include "adapters/views/report/report.h"
-
 #include <gtest/gtest.h>
 
 #include <memory>
 #include <nlohmann/json.hpp>
+
+#include "adapters/views/report/report.h"
 
 namespace prospect::report_steps_test {
 namespace {
