@@ -28,7 +28,12 @@ class DepthDataset {
   static DepthDataset open(DepthSource source, const DepthDatasetOptions& options);
 
   const std::string& layout() const { return layout_; }
-  const PinholeCamera& camera() const { return camera_; }
+  /// Of image i: 0, or which of the other cameras it is of, from 1 on.
+  int sensor(int i) const { return sensors_[static_cast<std::size_t>(i)]; }
+  int sensors() const { return static_cast<int>(cameras_.size()); }
+  const PinholeCamera& camera(int sensor = 0) const { return cameras_.at(as_index(sensor)).camera; }
+  /// That camera to the first.
+  const Eigen::Isometry3d& T_FC(int sensor) const { return cameras_.at(as_index(sensor)).T_FC; }
   int size() const { return static_cast<int>(images_.size()); }
   double stamp(int i) const { return images_.stamps[static_cast<std::size_t>(i)]; }  ///< [s]
   bool times_assumed() const { return times_assumed_; }
@@ -41,7 +46,8 @@ class DepthDataset {
   /// What was assumed, chosen or left out, one line each.
   const std::vector<std::string>& notes() const { return notes_; }
   bool has_poses() const { return !poses_.empty(); }
-  /// Camera to the recording's world, whose axes may point anywhere; requires has_poses().
+  /// First camera to the recording's world, whose axes may point anywhere, at the time of image i;
+  /// requires has_poses().
   const Eigen::Isometry3d& pose(int i) const { return poses_[static_cast<std::size_t>(i)]; }
 
   /// Throws InputError if the image cannot be decoded, holds no depth or has another size than the
@@ -49,10 +55,17 @@ class DepthDataset {
   DepthImage read(int i) const;
 
  private:
+  struct Camera {
+    PinholeCamera camera;
+    Eigen::Isometry3d T_FC = Eigen::Isometry3d::Identity();
+  };
+  static std::size_t as_index(int i) { return static_cast<std::size_t>(i); }
   RawImage read_raw(std::size_t i) const;
+  void add(std::vector<MoreDepthImages> more);
 
   std::string layout_;
-  PinholeCamera camera_;
+  std::vector<Camera> cameras_;
+  std::vector<int> sensors_;  // of each image
   DepthRange range_;
   DepthScale scale_;
   ImageStream images_;

@@ -23,7 +23,8 @@ struct DepthDatasetOptions {
   std::optional<double> depth_scale;
   double camera_height =
       0.0;  ///< above the floor in the first frames, to check with [m]; 0: unknown
-  /// Of a bag: "depth", "depth_info", "pose" to topics; others are found.
+  /// Of a bag: "depth", "depth_info", "pose" to topics; others are found. "depth_1", "depth_2",
+  /// ...: of other cameras.
   std::map<std::string, std::string> topics;
   std::string fixed_frame;  ///< of a bag, as BagPoseChoice
 };
@@ -34,6 +35,15 @@ using DepthPoses = std::vector<Eigen::Isometry3d, Eigen::aligned_allocator<Eigen
 struct StereoDepthAccuracy {
   DepthRange range;
   double noise = 0.0;  ///< the standard deviation of a depth z is noise z^2 [1/m]
+};
+
+/// Another depth camera of the same rig, which does not move against the first.
+struct MoreDepthImages {
+  ImageStream images;
+  DepthPoses poses;  ///< of the first camera at the stamps of these images, as DepthSource::poses
+  PinholeCamera camera;                                    ///< width and height 0: not stated
+  std::string camera_from;                                 ///< topic, for messages
+  Eigen::Isometry3d T_FC = Eigen::Isometry3d::Identity();  ///< this camera to the first
 };
 
 /// What a layout finds in a recording of depth images.
@@ -47,6 +57,7 @@ struct DepthSource : RecordingSource {
   double depth_scale = 1000.0;                ///< numbers a metre by the layout's rule, of 16 bits
   int without_pose = 0;                       ///< frames left out
   std::optional<StereoDepthAccuracy> stereo;  ///< none: the images hold another sensor's depths
+  std::vector<MoreDepthImages> more;          ///< of other cameras; requires poses
 };
 
 using DepthLayout = RecordingLayout<DepthSource, DepthDatasetOptions>;

@@ -1,9 +1,11 @@
 // Bags of ROS 2: images, their camera_info, poses and static transforms, by topic.
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "adapters/formats/bags/bag_file.h"
 #include "adapters/formats/datasets/bag_poses.h"
@@ -14,6 +16,7 @@
 #include "adapters/formats/datasets/ros_messages.h"
 #include "adapters/formats/datasets/stereo_source.h"
 #include "adapters/formats/ros/sensor_msgs.h"
+#include "models/robot_description.h"
 
 namespace prospect {
 namespace {
@@ -62,6 +65,102 @@ CameraInfo only_info(const BagFile& bag, const BagTopic& topic, std::vector<std:
   }
   infos.finish(notes);
   return *first;
+}
+
+/// A topic of depth images and what its camera_info says.
+struct DepthTopic {
+  const BagTopic* images = nullptr;
+  std::optional<PinholeCamera> camera;
+  std::string camera_from;
+  Eigen::Isometry3d T_rectified = Eigen::Isometry3d::Identity();
+
+  void read(const BagFile& bag, const BagTopic* info, std::vector<std::string>& notes) {
+    if (info == nullptr) return;
+    const CameraInfo calibration = only_info(bag, *info, notes);
+    const bool rectified = is_named_rectified(images->name);
+    camera = depth_camera_of(calibration, rectified, info->name, notes);
+    camera_from = info->name;
+    if (rectified) T_rectified = rectified_axes(calibration);
+  }
+};
+
+/// Those of `stream` at these places.
+ImageStream part_of(const ImageStream& stream, std::vector<std::size_t> order) {
+  ImageStream kept;
+  kept.name = stream.name;
+  for (const std::size_t i : order) {
+    kept.stamps.push_back(stream.stamps[i]);
+    kept.names.push_back(stream.names[i]);
+  }
+  kept.read = [stream, order = std::move(order)](std::size_t i) {
+    return stream.read(order.at(i));
+  };
+  return kept;
+}
+
+constexpr double kRigid = 0.02;  // [m] and [rad] that two cameras may move against each other
+
+using NamedTopic = std::pair<std::string, const BagTopic*>;  // a use and what it is given
+
+/// The images of another camera, at whose stamps the first one's place is known, too. Throws
+/// InputError where its calibration or its place is not known, or it moves against the first.
+MoreDepthImages more_of(const BagFile& bag, const std::string& path, const NamedTopic& given,
+                        const DepthTopic& first, const BagPoses& first_poses,
+                        const BagPoseChoice& choice, std::vector<std::string>& notes) {
+  const auto& [use, images_of] = given;
+  const BagTopic& topic = *images_of;
+  DepthTopic depth{&topic, {}, {}};
+  depth.read(bag, info_of(bag, topic), notes);
+  if (!depth.camera) {
+    throw InputError(path + ": no camera_info beside " + topic.name + ", given as " + use +
+                     "; expected one");
+  }
+  const ImageStream images = image_stream(bag, topic, notes);
+  const std::optional<BagPoses> poses =
+      find_bag_poses(bag, path, choice, frame_of(bag, topic), notes);
+  MoreDepthImages more;
+  std::vector<std::size_t> order;
+  for (std::size_t i = 0; poses && i < images.size(); ++i) {
+    const auto T_DF = first_poses.at(images.stamps[i]), T_DC = poses->at(images.stamps[i]);
+    if (!T_DF || !T_DC) continue;
+    const Eigen::Isometry3d T_DR = *T_DF * first.T_rectified;
+    const Eigen::Isometry3d T_FC = T_DR.inverse() * *T_DC * depth.T_rectified;
+    if (order.empty()) more.T_FC = T_FC;
+    const Eigen::Isometry3d moved = more.T_FC.inverse() * T_FC;
+    if (moved.translation().norm() > kRigid || Eigen::AngleAxisd(moved.linear()).angle() > kRigid) {
+      throw InputError(images.names[i] + ": its camera has moved against that of " +
+                       first.images->name + "; expected cameras of one rig");
+    }
+    more.poses.push_back(T_DR);
+    order.push_back(i);
+  }
+  if (order.empty()) {
+    throw InputError(topic.name + ": given as " + use + ", has no image whose place against " +
+                     first.images->name + " is known; expected transforms to both");
+  }
+  more.images = part_of(images, std::move(order));
+  more.camera = *depth.camera;
+  more.camera_from = depth.camera_from;
+  return more;
+}
+
+/// The topics of other depth cameras: those that are given as depth_1, depth_2, ..., or named so
+/// beside the first (/camera/depth/image_rect, /camera/depth_1/image_rect).
+std::vector<NamedTopic> more_depth_topics(const BagFile& bag, const std::string& path,
+                                          const DepthDatasetOptions& options,
+                                          const std::string& first) {
+  std::vector<NamedTopic> all;
+  const std::size_t at = first.find("/depth/");
+  for (int n = 1; n < kMostDepthSensors; ++n) {
+    const std::string use = "depth_" + std::to_string(n);
+    const BagTopic* topic = given_topic(bag, path, options.topics, use, is_image_topic);
+    if (topic == nullptr && at != std::string::npos) {
+      topic = bag.find(first.substr(0, at + 1) + use + first.substr(at + 6));
+      if (topic != nullptr && (!is_image_topic(*topic) || topic->messages.empty())) topic = nullptr;
+    }
+    if (topic != nullptr) all.emplace_back(use, topic);
+  }
+  return all;
 }
 
 }  // namespace
@@ -153,8 +252,9 @@ DepthSource open_depth_bag(const std::string& path, const DepthDatasetOptions& o
   source.attempt([&] {
     check_encodings(bag, path);
     const BagTopic* depth = given_topic(bag, path, options.topics, "depth", is_image_topic);
+    FoundTopic found;
     if (depth == nullptr) {
-      const FoundTopic found = find_depth_topic(bag);
+      found = find_depth_topic(bag);
       depth = found.topic;
       if (depth == nullptr) {
         throw InputError(path +
@@ -162,19 +262,19 @@ DepthSource open_depth_bag(const std::string& path, const DepthDatasetOptions& o
                          "depth=TOPIC of: " +
                          topic_list(bag));
       }
-      source.notes.push_back("topic depth=" + depth->name + ", by its name" + found.others);
+    }
+    const auto more = more_depth_topics(bag, path, options, depth->name);
+    if (found.topic != nullptr) {
+      source.notes.push_back("topic depth=" + depth->name + ", by its name" +
+                             (more.empty() ? found.others : ""));
     }
     ImageStream images = image_stream(bag, *depth, source.notes);
     const BagTopic* info = given_topic(bag, path, options.topics, "depth_info", is_info);
     if (info == nullptr) info = info_of(bag, *depth);
-    Eigen::Isometry3d T_rectified = Eigen::Isometry3d::Identity();
-    if (info != nullptr && !options.camera && options.calibration.empty()) {
-      const CameraInfo calibration = only_info(bag, *info, source.notes);
-      const bool rectified = is_named_rectified(depth->name);
-      source.camera = depth_camera_of(calibration, rectified, info->name, source.notes);
-      source.camera_from = info->name;
-      if (rectified) T_rectified = rectified_axes(calibration);
-    }
+    DepthTopic first{depth, {}, {}};
+    if (!options.camera && options.calibration.empty()) first.read(bag, info, source.notes);
+    source.camera = first.camera;
+    source.camera_from = first.camera_from;
     const std::optional<BagPoses> poses = find_bag_poses(
         bag, path, {options.topics, options.fixed_frame}, frame_of(bag, *depth), source.notes);
     if (!poses) {
@@ -184,17 +284,18 @@ DepthSource open_depth_bag(const std::string& path, const DepthDatasetOptions& o
     PosedStamps posed =
         stamps_with_poses(*poses, images.stamps, "image", depth->name, path, source.notes);
     source.without_pose = posed.without;
-    for (const Eigen::Isometry3d& T : posed.poses) source.poses.push_back(T * T_rectified);
-    ImageStream kept;
-    kept.name = images.name;
-    for (const std::size_t i : posed.order) {
-      kept.stamps.push_back(images.stamps[i]);
-      kept.names.push_back(images.names[i]);
+    for (const Eigen::Isometry3d& T : posed.poses) source.poses.push_back(T * first.T_rectified);
+    source.images = part_of(images, std::move(posed.order));
+    for (const NamedTopic& given : more) {
+      source.notes.push_back("topic " + given.first + "=" + given.second->name);
+      std::vector<std::string> notes;
+      source.more.push_back(
+          more_of(bag, path, given, first, *poses, {options.topics, options.fixed_frame}, notes));
+      for (std::string& note : notes) {
+        const auto same = std::find(source.notes.begin(), source.notes.end(), note);
+        if (same == source.notes.end()) source.notes.push_back(std::move(note));
+      }
     }
-    kept.read = [images, order = std::move(posed.order)](std::size_t i) {
-      return images.read(order.at(i));
-    };
-    source.images = std::move(kept);
   });
   return source;
 }

@@ -71,8 +71,6 @@ constexpr std::array kRows = {
            "the cameras tell it, in Gazebo the middle; expected it with another robot", true},
     KeyRow{"robot.depth.horizontal_fov", own_view, kTopics, true},
     KeyRow{"robot.depth.vertical_fov", own_view, kTopics, true},
-    KeyRow{"robot.more_depth", [](const KeyReader& r) { return r.use != Use::kDriveGazebo; },
-           "the robot in Gazebo has one depth camera; expected it with another base", true},
     KeyRow{"drive", real_time, "of a mission in real time; expected it with prospect drive", true},
     KeyRow{"drive.simulator", [](const KeyReader& r) { return r.use == Use::kDriveSimulator; },
            "of the simulator's base; expected it with --base simulator", true},

@@ -34,7 +34,7 @@ MissionLog::MissionLog(const std::string& path, const RunStart& start,
     : images_(options.images),
       calls_(options.calls),
       path_(path),
-      log_(path, mission_channels(), options.file),
+      log_(path, mission_channels(options.messages.robot.depth_sensors().size()), options.file),
       messages_(options.messages,
                 [this](std::size_t channel, std::int64_t time, std::string bytes) {
                   log_.put(channel, time, std::move(bytes));
@@ -51,7 +51,7 @@ void MissionLog::on_frame(const SensorFrame& frame) {
   } else if (const auto* pair = std::get_if<StereoFrame>(&frame); pair && images_) {
     if (pair->left && pair->right) messages_.pair(pair->left_stamp, *pair->left, *pair->right);
   } else if (const auto* depth = std::get_if<DepthFrame>(&frame); depth && images_) {
-    if (depth->image && depth->sensor == 0) messages_.depth(depth->stamp, *depth->image);
+    if (depth->image) messages_.depth(depth->stamp, *depth->image, depth->sensor);
   }
 }
 

@@ -49,7 +49,8 @@ enum Topic : std::size_t {
   kDepthInfo,
   kPictures,
   kPictureFeatures,
-  kPlannerCalls
+  kPlannerCalls,
+  kMoreDepth  // image and calibration of each depth sensor from 1 on
 };
 
 template <ros::Message T>
@@ -112,6 +113,11 @@ std::string lidar_name(int sensor) {
   return sensor == 0 ? kLidar : kLidar + ('_' + std::to_string(sensor));
 }
 
+/// Frame of a depth sensor's images.
+std::string depth_name(int sensor) {
+  return sensor == 0 ? kDepthCamera : "camera_depth_" + std::to_string(sensor) + "_optical";
+}
+
 ros::TFMessage static_transforms(const RobotDescription& robot, const ros::Time& stamp) {
   ros::TFMessage message;
   const auto add = [&](const char* parent, const char* child, const Eigen::Isometry3d& T) {
@@ -129,7 +135,9 @@ ros::TFMessage static_transforms(const RobotDescription& robot, const ros::Time&
   add(kBody, kDepthCamera, robot.depth_mount.T_BC);
   for (std::size_t n = 0; n < robot.more_depth.size(); ++n) {
     lidar.translation() = robot.more_depth[n].mount.T_BC.translation();
-    add(kBody, lidar_name(static_cast<int>(n) + 1).c_str(), lidar);
+    const auto sensor = static_cast<int>(n) + 1;
+    add(kBody, lidar_name(sensor).c_str(), lidar);
+    add(kBody, depth_name(sensor).c_str(), robot.more_depth[n].mount.T_BC);
   }
   return message;
 }
@@ -150,31 +158,37 @@ std::uint8_t level_of(Severity severity) {
 
 }  // namespace
 
-std::vector<McapLog::Channel> mission_channels() {
-  return {channel<ros::TFMessage>("/tf_static"),
-          channel<ros::TFMessage>("/tf"),
-          channel<ros::Odometry>("/odometry"),
-          channel<ros::Odometry>("/truth/odometry"),
-          channel<ros::TwistStamped>("/cmd_vel"),
-          channel<ros::OccupancyGrid>(topic::kMap),
-          channel<ros::OccupancyGridUpdate>(topic::kMapUpdates),
-          channel<ros::Path>(topic::kPlan),
-          channel<ros::MarkerArray>(topic::kMarkers),
-          channel<ros::DiagnosticArray>(topic::kStep),
-          channel<ros::PointCloud2>(topic::kCostToGo),
-          channel<ros::Log>("/rosout"),
-          channel<ros::DiagnosticArray>("/diagnostics"),
-          channel<ros::LaserScan>("/scan"),
-          channel<ros::TwistStamped>("/wheels"),
-          channel<ros::Image>("/camera/left/image_rect"),
-          channel<ros::CameraInfo>("/camera/left/camera_info"),
-          channel<ros::Image>("/camera/right/image_rect"),
-          channel<ros::CameraInfo>("/camera/right/camera_info"),
-          channel<ros::Image>("/camera/depth/image_rect"),
-          channel<ros::CameraInfo>("/camera/depth/camera_info"),
-          channel<ros::CompressedImage>(topic::kPictures),
-          channel<ros::PointCloud2>(topic::kPictureFeatures),
-          channel<PlannerCall>(topic::kPlannerCalls)};
+std::vector<McapLog::Channel> mission_channels(std::size_t depth_sensors) {
+  std::vector<McapLog::Channel> all = {channel<ros::TFMessage>("/tf_static"),
+                                       channel<ros::TFMessage>("/tf"),
+                                       channel<ros::Odometry>("/odometry"),
+                                       channel<ros::Odometry>("/truth/odometry"),
+                                       channel<ros::TwistStamped>("/cmd_vel"),
+                                       channel<ros::OccupancyGrid>(topic::kMap),
+                                       channel<ros::OccupancyGridUpdate>(topic::kMapUpdates),
+                                       channel<ros::Path>(topic::kPlan),
+                                       channel<ros::MarkerArray>(topic::kMarkers),
+                                       channel<ros::DiagnosticArray>(topic::kStep),
+                                       channel<ros::PointCloud2>(topic::kCostToGo),
+                                       channel<ros::Log>("/rosout"),
+                                       channel<ros::DiagnosticArray>("/diagnostics"),
+                                       channel<ros::LaserScan>("/scan"),
+                                       channel<ros::TwistStamped>("/wheels"),
+                                       channel<ros::Image>("/camera/left/image_rect"),
+                                       channel<ros::CameraInfo>("/camera/left/camera_info"),
+                                       channel<ros::Image>("/camera/right/image_rect"),
+                                       channel<ros::CameraInfo>("/camera/right/camera_info"),
+                                       channel<ros::Image>("/camera/depth/image_rect"),
+                                       channel<ros::CameraInfo>("/camera/depth/camera_info"),
+                                       channel<ros::CompressedImage>(topic::kPictures),
+                                       channel<ros::PointCloud2>(topic::kPictureFeatures),
+                                       channel<PlannerCall>(topic::kPlannerCalls)};
+  for (std::size_t n = 1; n < depth_sensors; ++n) {
+    const std::string prefix = "/camera/depth_" + std::to_string(n);
+    all.push_back(channel<ros::Image>((prefix + "/image_rect").c_str()));
+    all.push_back(channel<ros::CameraInfo>((prefix + "/camera_info").c_str()));
+  }
+  return all;
 }
 
 MissionMessages::MissionMessages(const MissionMessageOptions& options, Put put)
@@ -323,14 +337,17 @@ void MissionMessages::pair(double time, const Image& left, const Image& right) {
   put(kRight, kRightInfo, kRightCamera, right, options_.robot.stereo.baseline);
 }
 
-void MissionMessages::depth(double time, const DepthImage& image) {
-  if (!image.whole()) return;
+void MissionMessages::depth(double time, const DepthImage& image, int sensor) {
+  const auto camera = options_.depth_cameras.find(sensor);
+  if (!image.whole() || camera == options_.depth_cameras.end()) return;
   const std::int64_t now = ns(time);
-  const ros::Header header{stamp_at(now), kDepthCamera};
-  put_(kDepth, now,
+  const ros::Header header{stamp_at(now), depth_name(sensor)};
+  const auto at = static_cast<std::size_t>(sensor);
+  put_(sensor == 0 ? kDepth : kMoreDepth + 2 * (at - 1), now,
        ros::to_cdr(image_of(image.width, image.height, "32FC1", 4, image.depth.data(), header),
                    4 * image.depth.size()));
-  put_(kDepthInfo, now, ros::to_cdr(info_of(options_.depth_camera, 0.0, header)));
+  put_(sensor == 0 ? kDepthInfo : kMoreDepth + 2 * (at - 1) + 1, now,
+       ros::to_cdr(info_of(camera->second, 0.0, header)));
 }
 
 void MissionMessages::picture(double time, const LandmarkPicture& picture) {

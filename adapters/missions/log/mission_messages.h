@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <span>
 #include <string>
 #include <vector>
@@ -26,17 +27,18 @@ namespace prospect {
 
 struct MissionMessageOptions {
   RobotDescription robot;
-  PinholeCamera depth_camera;  ///< of depth images
-  double resolution = 0.1;     ///< of the ground cells [m]
-  double dt = 0.25;            ///< of the planned poses [s]
-  double start = 0.0;          ///< [s] of the clock of all stamps that are given: now
-  std::int64_t epoch = 0;      ///< [ns] since 1970 at which that clock was 0
+  std::map<int, PinholeCamera> depth_cameras{};  ///< of depth images, by number of the sensor
+  double resolution = 0.1;                       ///< of the ground cells [m]
+  double dt = 0.25;                              ///< of the planned poses [s]
+  double start = 0.0;      ///< [s] of the clock of all stamps that are given: now
+  std::int64_t epoch = 0;  ///< [ns] since 1970 at which that clock was 0
   /// [s] after which the whole map is told again; in between what has changed. 0: always the whole.
   double whole_map_every = 10.0;
 };
 
-/// The channels of a mission, docs/reference/log.md, each known by its place in the list.
-std::vector<McapLog::Channel> mission_channels();
+/// The channels of a mission of a robot with so many depth sensors, docs/reference/log.md, each
+/// known by its place in the list.
+std::vector<McapLog::Channel> mission_channels(std::size_t depth_sensors = 1);
 
 /// A mission as messages of ROS 2 in CDR, docs/reference/log.md.
 ///
@@ -60,7 +62,8 @@ class MissionMessages {
   void scan(double time, const DepthScan& in_B, int sensor = 0);
   void wheels(const WheelSample& wheels);
   void pair(double time, const Image& left, const Image& right);
-  void depth(double time, const DepthImage& image);
+  /// Of a depth sensor whose camera is known, by its number.
+  void depth(double time, const DepthImage& image, int sensor = 0);
   void picture(double time, const LandmarkPicture& picture);
   void planner_call(double time, const PlannerCall& call);
 

@@ -80,6 +80,9 @@ class FloorMap {
     T_WD_ = level(floor_, pose);
     PerceptionOptions perception = recording_options(T_WD_ * pose);
     perception.depth_camera = {dataset.camera(), {Eigen::Isometry3d::Identity()}};
+    for (int sensor = 1; sensor < dataset.sensors(); ++sensor) {
+      perception.more_depth_cameras[sensor] = {dataset.camera(sensor), {dataset.T_FC(sensor)}};
+    }
     perception.depth_mapping = options.mapper;
     perception.mapping = options.mapper.map;
     perception_.emplace(perception);
@@ -94,11 +97,17 @@ class FloorMap {
     MapRunFrame frame;
     MappedFrame& mapped = frame.mapped;
     if (perception_) {
-      const Eigen::Isometry3d T_WC = T_WD_ * dataset_.pose(i);
+      const Eigen::Isometry3d T_WF = T_WD_ * dataset_.pose(i);
+      const int sensor = dataset_.sensor(i);
+      const Eigen::Isometry3d T_WC = T_WF * dataset_.T_FC(sensor);
       const double stamp = dataset_.stamp(i);
-      mapped = map_at(*perception_, stamp, T_WC, [&] { return perception_->depth(stamp, image); });
+      mapped = map_at(*perception_, stamp, stamp == posed_ ? nullptr : &T_WF,
+                      [&] { return perception_->depth(stamp, image, sensor); });
+      posed_ = stamp;
       frame.up = T_WC.linear() * mapped.ground.normal;
       frame.height_error = mapped.ground.height - T_WC.translation().z();
+      // As the first camera would measure it.
+      mapped.ground.height -= T_WC.translation().z() - T_WF.translation().z();
       ProcessorStopwatch stopwatch;
       maps_ = perception_->map().snapshot();
       frame.snapshot = stopwatch.lap();
@@ -126,6 +135,7 @@ class FloorMap {
   GroundPrior prior_;
   Eigen::Isometry3d T_WD_ = Eigen::Isometry3d::Identity();
   std::optional<PerceptionPipeline> perception_;
+  double posed_ = kNan;  // [s] of the newest pose
   BeliefMaps maps_;
 };
 
@@ -225,10 +235,14 @@ MapRun run_mapping(const DepthDataset& dataset, const MapRunOptions& options, in
       continue;
     }
     ProcessorStopwatch stopwatch;
-    const GroundObservation look = ground.add(image, FloorMap::pose_of(dataset, i));
-    const double hypotheses = stopwatch.lap();
-    if (why.empty()) why = look.reason;
+    // The floor is what the first camera sees.
+    GroundObservation look;
+    if (dataset.sensor(i) == 0) {
+      look = ground.add(image, FloorMap::pose_of(dataset, i));
+      if (why.empty()) why = look.reason;
+    }
     record(ground.all(), i - first, dataset.stamp(i), run);
+    const double hypotheses = stopwatch.lap();
     if (look.changed && ground.taken() != nullptr) {
       std::string reason = "enough frames agree";
       for (const GroundHypothesis& h : ground.all()) {

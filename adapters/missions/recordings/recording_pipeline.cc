@@ -13,9 +13,10 @@ PerceptionOptions recording_options(const Eigen::Isometry3d& start) {
   return options;
 }
 
-MappedFrame map_at(PerceptionPipeline& perception, double stamp, const Eigen::Isometry3d& T_WB,
+MappedFrame map_at(PerceptionPipeline& perception, double stamp, const Eigen::Isometry3d* T_WB,
                    const std::function<InputResult()>& take) {
-  const InputResult pose = perception.external_pose({.stamp = stamp, .T_WB = T_WB});
+  InputResult pose{InputState::kTaken, ""};
+  if (T_WB) pose = perception.external_pose({.stamp = stamp, .T_WB = *T_WB});
   const InputResult result = pose.state == InputState::kTaken ? take() : pose;
   if (result.state != InputState::kLate && perception.mapped().stamp == stamp) {
     return perception.mapped();

@@ -14,7 +14,8 @@ PerceptionOptions recording_options(const Eigen::Isometry3d& start = Eigen::Isom
 
 /// Enters a depth image or scan, which `take` hands to the pipeline, at the pose of its sensor:
 /// what became of it. One that the pipeline leaves out before it comes to the map is rejected.
-MappedFrame map_at(PerceptionPipeline& perception, double stamp, const Eigen::Isometry3d& T_WB,
+/// T_WB null: that of the frame before, which has the same stamp.
+MappedFrame map_at(PerceptionPipeline& perception, double stamp, const Eigen::Isometry3d* T_WB,
                    const std::function<InputResult()>& take);
 
 }  // namespace prospect

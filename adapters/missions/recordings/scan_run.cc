@@ -73,8 +73,8 @@ MapRun run_scan_mapping(const ScanSource& source, const ScanPlacement& placement
     const double stamp = source.stamps[k];
     DepthScan scan;
     if (scans.read([&] { scan = source.read(k); })) {
-      frame.mapped = map_at(perception, stamp, run.T_WD * source.poses[k],
-                            [&] { return perception.scan(stamp, scan); });
+      const Eigen::Isometry3d T_WC = run.T_WD * source.poses[k];
+      frame.mapped = map_at(perception, stamp, &T_WC, [&] { return perception.scan(stamp, scan); });
     } else {
       frame.mapped.stamp = stamp;
       frame.mapped.state = Mapping::kRejected;

@@ -1,5 +1,6 @@
 #include "adapters/missions/run/gazebo_run.h"
 
+#include <map>
 #include <optional>
 #include <utility>
 
@@ -18,15 +19,14 @@ namespace {
 ExplorationRunResult step_gazebo(Configuration c, const GazeboMeasure& measure,
                                  const std::optional<ReachableArea>& reachable,
                                  const ExplorationRunOptions& options) {
-  SteppedGazebo gazebo(c.gazebo);
+  const std::map<int, PinholeCamera> cameras = gazebo_depth_cameras(c.robot, c.gazebo);
+  SteppedGazebo gazebo(with_sensors_of(c.gazebo, c.robot));
   set_cameras(c, gazebo_robot(c.robot), "Gazebo's cameras");
   check_drives(c);
   Pose start = gazebo.start();
   start.position.z() = c.robot.base_height();
-  const RangeCamera depth{gazebo_depth_camera(c.robot, c.gazebo),
-                          c.robot.depth_mount,
-                          {c.robot.depth.min_range, c.robot.depth.max_range}};
-  PerceptionPipeline perception(c.robot.stereo, live_perception(c, {{0, depth}}, start));
+  const RangeCameras depth = range_cameras(cameras, c.robot);
+  PerceptionPipeline perception(c.robot.stereo, live_perception(c, depth, start));
   clear_start(perception.map(), c, start);
   GazeboLockstep robot(gazebo, perception);
   LockstepRun run{.name = gazebo.world()};

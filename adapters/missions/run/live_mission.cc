@@ -85,24 +85,17 @@ std::vector<WatchedStream> streams_of(const Robot& robot, std::size_t sensors,
 
 /// Of what it sees depth images with.
 RangeCameras cameras_of(const Robot& robot, const RobotDescription& description) {
-  const std::vector<DepthSensor> sensors = description.depth_sensors();
-  RangeCameras cameras;
-  const auto add = [&](int number, const PinholeCamera& camera) {
-    const DepthSensor& of = sensors[static_cast<std::size_t>(number)];
-    cameras[number] = {camera, of.mount, {of.footprint.min_range, of.footprint.max_range}};
-  };
-  if (robot.depth) add(0, *robot.depth);
-  for (const auto& [number, camera] : robot.more_depth) {
-    if (number < 1 || number >= static_cast<int>(sensors.size())) {
-      throw std::invalid_argument("depth camera " + std::to_string(number) + " of the robot '" +
-                                  robot.name + "' is none of the " +
-                                  std::to_string(sensors.size()) +
-                                  " depth sensors of the configuration; expected it in "
-                                  "robot.more_depth");
-    }
-    add(number, camera);
+  const auto sensors = static_cast<int>(description.depth_sensors().size());
+  std::map<int, PinholeCamera> cameras = robot.more_depth;
+  for (const auto& [number, camera] : cameras) {
+    if (number >= 1 && number < sensors) continue;
+    throw std::invalid_argument("depth camera " + std::to_string(number) + " of the robot '" +
+                                robot.name + "' is none of the " + std::to_string(sensors) +
+                                " depth sensors of the configuration; expected it in "
+                                "robot.more_depth");
   }
-  return cameras;
+  if (robot.depth) cameras[0] = *robot.depth;
+  return range_cameras(cameras, description);
 }
 
 bool has(const Robot& robot, SensorStream stream) {

@@ -1,5 +1,7 @@
 #include "adapters/missions/run/live_perception.h"
 
+#include <vector>
+
 #include "models/depth_sensors.h"
 #include "models/robot_shape.h"
 
@@ -31,6 +33,17 @@ PerceptionOptions live_perception(const Configuration& c, const RangeCameras& de
   perception.depth_mapping.range = range;
   perception.start = start;
   return perception;
+}
+
+RangeCameras range_cameras(const std::map<int, PinholeCamera>& cameras,
+                           const RobotDescription& robot) {
+  const std::vector<DepthSensor> sensors = robot.depth_sensors();
+  RangeCameras all;
+  for (const auto& [number, camera] : cameras) {
+    const DepthSensor& of = sensors.at(static_cast<std::size_t>(number));
+    all[number] = {camera, of.mount, {of.footprint.min_range, of.footprint.max_range}};
+  }
+  return all;
 }
 
 void clear_start(OccupancyMapper& map, const Configuration& c, const Pose& start) {

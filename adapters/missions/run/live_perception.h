@@ -1,5 +1,7 @@
 #pragma once
 
+#include <map>
+
 #include "adapters/missions/config/configuration.h"
 #include "models/types.h"
 #include "perception/mapping/occupancy_mapper.h"
@@ -12,6 +14,10 @@ namespace prospect {
 /// depth: its depth cameras, by the number of the depth sensor; what has none sends scans.
 PerceptionOptions live_perception(const Configuration& configuration, const RangeCameras& depth,
                                   const Pose& start);
+
+/// Cameras of the robot's depth sensors, by the number of the sensor, each where it sits.
+RangeCameras range_cameras(const std::map<int, PinholeCamera>& cameras,
+                           const RobotDescription& robot);
 
 /// Makes the place free that the body takes up where it was put down.
 void clear_start(OccupancyMapper& map, const Configuration& configuration, const Pose& start);

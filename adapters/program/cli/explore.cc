@@ -39,6 +39,7 @@
 #include "adapters/program/cli/progress.h"
 #include "adapters/program/cli/shell_words.h"
 #include "adapters/program/cli/told_world.h"
+#include "adapters/robots/gazebo/gazebo_robot_model.h"
 #include "adapters/robots/gazebo/master_uri.h"
 #include "adapters/robots/simulator/camera_rig.h"
 #include "adapters/views/live/live_server.h"
@@ -177,7 +178,17 @@ MissionMessageOptions message_options(const Configuration& configuration, const 
   MissionMessageOptions options;
   options.robot = configuration.robot;
   const CameraRigOptions& rig = configuration.simulator.camera.rig;
-  options.depth_camera = depth_camera(configuration.robot.depth, rig.depth_width, rig.depth_height);
+  if (base.gazebo) {
+    options.depth_cameras = gazebo_depth_cameras(configuration.robot, configuration.gazebo);
+  } else {
+    int number = 0;
+    for (const DepthSensor& sensor : configuration.robot.depth_sensors()) {
+      const PinholeCamera camera =
+          depth_camera(sensor.footprint, rig.depth_width, rig.depth_height);
+      if (is_rendered(sensor.footprint)) options.depth_cameras[number] = camera;
+      ++number;
+    }
+  }
   options.resolution = configuration.perception.mapping.resolution;
   options.dt = configuration.planner.dt;
   if (base.in_real_time() && !base.gazebo) {

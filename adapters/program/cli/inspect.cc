@@ -41,9 +41,9 @@ Command inspect_command(CLI::App& program) {
       "inspect", "What a recording holds, and what is missing to use it; names maps and worlds");
   command->add_option("path", arguments.path, "Folder or file")->type_name("FILE")->required();
   add_recording_options(command, arguments.stereo);
-  add_topics(
-      command, arguments.stereo.topics,
-      {"left", "right", "left_info", "right_info", "truth", "depth", "depth_info", "scan", "pose"});
+  add_topics(command, arguments.stereo.topics,
+             {"left", "right", "left_info", "right_info", "truth", "depth", "depth_info", "depth_1",
+              "depth_2", "depth_3", "scan", "pose"});
   add_fixed_frame(command, arguments.depth.fixed_frame);
   command->add_flag("--json", arguments.json, "Print JSON");
   return {command, [given](const Invocation&) { return inspect(*given); }};

@@ -523,7 +523,8 @@ Command map_command(CLI::App& program) {
       ->check(number_within(1.0, 1e5));
   add_recording_options(command, arguments.stereo);
   add_topics(command, arguments.stereo.topics,
-             {"left", "right", "left_info", "right_info", "depth", "depth_info", "scan", "pose"});
+             {"left", "right", "left_info", "right_info", "depth", "depth_info", "depth_1",
+              "depth_2", "depth_3", "scan", "pose"});
   add_fixed_frame(command, arguments.options.fixed_frame);
   command
       ->add_option("--depth-scale", arguments.options.depth_scale,

@@ -15,6 +15,14 @@ std::string gazebo_world_name(const GazeboOptions& options, const GazeboNode& no
   return name;
 }
 
+std::vector<std::string> gazebo_depth_names(const GazeboOptions& options) {
+  std::vector<std::string> names;
+  for (int n = 0; n < options.depth_sensors && !options.depth.empty(); ++n) {
+    names.push_back(n == 0 ? options.depth : options.depth + '_' + std::to_string(n));
+  }
+  return names;
+}
+
 void check(const GazeboOptions& options) {
   std::vector<std::string> lines;
   const auto positive = [&](const char* name, double value) {

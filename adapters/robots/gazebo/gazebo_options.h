@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "adapters/robots/gazebo/gazebo_node.h"
 #include "perception/mapping/depth_image.h"
@@ -18,7 +19,8 @@ struct GazeboOptions {
   std::string model = "robot";              ///< with the plug-in DiffDrivePlugin
   std::string link = "base";                ///< of the model, which bears the sensors
   std::string stereo = "stereo";            ///< sensor multicamera: left, then right
-  std::string depth = "depth";              ///< sensor depth; empty: none
+  std::string depth = "depth";              ///< sensor depth, the others depth_1, ...; empty: none
+  int depth_sensors = 1;                    ///< so many has the robot (depth_sensors())
   std::string left_wheel = "left_wheel";    ///< link
   std::string right_wheel = "right_wheel";  ///< link
   int depth_width = 320;                    ///< [px]; the height follows from the field of view
@@ -41,6 +43,9 @@ void describe(Knobs& knobs, GazeboOptions& options);
 /// "/gazebo/WORLD/MODEL/..." of the options, with the world that the node knows if they name none.
 /// Throws InputError if there is none.
 std::string gazebo_world_name(const GazeboOptions& options, const GazeboNode& node);
+
+/// Of its depth cameras, by their number.
+std::vector<std::string> gazebo_depth_names(const GazeboOptions& options);
 
 /// Throws InputError, a line for each option out of range.
 void check(const GazeboOptions& options);

@@ -8,7 +8,10 @@
 #include <stdexcept>
 #include <variant>
 
+#include "adapters/formats/files/input_error.h"
 #include "adapters/robots/gazebo/number_stream.h"
+#include "adapters/robots/simulator/camera_rig.h"
+#include "models/formatted.h"
 
 namespace prospect {
 namespace {
@@ -117,14 +120,15 @@ std::string gazebo_robot_model(const RobotDescription& robot, const GazeboRobotO
       << sensor_pose(robot.stereo_mount.T_BC) << "</pose>\n<camera name=\"left\"><pose>0 0 0 0 0 0"
       << "</pose>" << image << "</camera>\n<camera name=\"right\"><pose>0 "
       << -robot.stereo.baseline << " 0 0 0 0</pose>" << image << "</camera></sensor>\n";
-  if (!names.depth.empty()) {
-    const double wide = std::tan(0.5 * robot.depth.horizontal_fov);
-    const double high = std::tan(0.5 * robot.depth.vertical_fov);
-    const double height = std::max(1.0, std::round(names.depth_width * high / wide));
-    out << "<sensor name=\"" << names.depth << "\" type=\"depth\"><always_on>1</always_on>"
+  const std::vector<std::string> depths = gazebo_depth_names(with_sensors_of(names, robot));
+  const std::map<int, PinholeCamera> seen = gazebo_depth_cameras(robot, names);
+  for (std::size_t n = 0; n < depths.size(); ++n) {
+    const DepthSensor sensor = robot.depth_sensors()[n];
+    const PinholeCamera& image_of = seen.at(static_cast<int>(n));
+    out << "<sensor name=\"" << depths[n] << "\" type=\"depth\"><always_on>1</always_on>"
         << "<update_rate>" << options.depth_rate << "</update_rate><pose>"
-        << sensor_pose(robot.depth_mount.T_BC) << "</pose><camera name=\"depth\">"
-        << camera(robot.depth.horizontal_fov, names.depth_width, height, 0.05,
+        << sensor_pose(sensor.mount.T_BC) << "</pose><camera name=\"depth\">"
+        << camera(sensor.footprint.horizontal_fov, image_of.width, image_of.height, 0.05,
                   names.depth_range.max + 1.0)
         << "</camera></sensor>\n";
   }
@@ -143,6 +147,35 @@ std::string gazebo_robot_model(const RobotDescription& robot, const GazeboRobotO
       << names.left_wheel << "_joint</left_joint><right_joint>" << names.right_wheel
       << "_joint</right_joint><torque>5</torque></plugin>\n</model>\n";
   return out.str();
+}
+
+GazeboOptions with_sensors_of(GazeboOptions options, const RobotDescription& robot) {
+  options.depth_sensors = static_cast<int>(robot.depth_sensors().size());
+  return options;
+}
+
+std::map<int, PinholeCamera> gazebo_depth_cameras(const RobotDescription& robot,
+                                                  const GazeboOptions& options) {
+  std::map<int, PinholeCamera> cameras;
+  if (options.depth.empty()) return cameras;
+  for (const DepthSensor& sensor : robot.depth_sensors()) {
+    const auto number = static_cast<int>(cameras.size());
+    const RgbdFootprint& seen = sensor.footprint;
+    if (!is_rendered(seen)) {
+      const std::string name =
+          number == 0 ? "robot.depth" : formatted("robot.more_depth[%d]", number - 1);
+      fail(name, formatted("%g x %g degrees; expected a camera of 1 to 170 degrees, as Gazebo "
+                           "renders images",
+                           seen.horizontal_fov * 180.0 / M_PI, seen.vertical_fov * 180.0 / M_PI));
+    }
+    const double high = std::tan(0.5 * seen.vertical_fov) / std::tan(0.5 * seen.horizontal_fov);
+    const int width = options.depth_width;
+    PinholeCamera camera =
+        depth_camera(seen, width, std::max(1, static_cast<int>(std::lround(width * high))));
+    camera.fy = camera.fx;
+    cameras[number] = camera;
+  }
+  return cameras;
 }
 
 RobotDescription gazebo_robot(RobotDescription robot) {

@@ -22,14 +22,16 @@ struct GazeboSensors::Impl {
                                      std::make_shared<const Image>(std::move(pair.images.left)),
                                      std::make_shared<const Image>(std::move(pair.images.right))});
         });
-    if (!options.depth.empty()) {
+    int number = 0;
+    for (const std::string& name : gazebo_depth_names(options)) {
       receiver.subscribe(
-          prefix + options.depth + "/image", "gazebo.msgs.ImageStamped",
-          [&frames, &clock, range = options.depth_range](std::string_view message) {
+          prefix + name + "/image", "gazebo.msgs.ImageStamped",
+          [&frames, &clock, range = options.depth_range,
+           sensor = number++](std::string_view message) {
             GazeboDepth image = read_gazebo_depth(message, range);
             clock.tick(image.stamp);
-            frames.observe(DepthFrame{image.stamp,
-                                      std::make_shared<const DepthImage>(std::move(image.image))});
+            frames.observe(DepthFrame{
+                image.stamp, std::make_shared<const DepthImage>(std::move(image.image)), sensor});
           });
     }
     receiver.start();

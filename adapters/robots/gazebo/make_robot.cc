@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -14,7 +15,6 @@
 #include "adapters/robots/gazebo/gazebo_sensors.h"
 #include "adapters/robots/gazebo/gazebo_truth.h"
 #include "adapters/robots/gazebo/true_run.h"
-#include "adapters/robots/simulator/camera_rig.h"
 #include "runtime/simulation_clock.h"
 
 namespace prospect {
@@ -44,7 +44,7 @@ struct GazeboParts {
         faulty_base(base, clock, o.faults, first.stamp),
         inbox(clock, FaultyFrames::inbox_options(in_runtime_clock(o.inbox), o.faults)),
         frames(clock, inbox, o.faults, first.stamp, o.gazebo.depth_range),
-        sensors(o.gazebo, clock, frames) {}
+        sensors(with_sensors_of(o.gazebo, o.robot), clock, frames) {}
 
   const SteadyClock machine;
   SimulationClock clock;
@@ -61,16 +61,8 @@ struct GazeboParts {
 
 }  // namespace
 
-PinholeCamera gazebo_depth_camera(const RobotDescription& robot, const GazeboOptions& options) {
-  const int width = options.depth_width;
-  const int height = static_cast<int>(std::lround(width * std::tan(0.5 * robot.depth.vertical_fov) /
-                                                  std::tan(0.5 * robot.depth.horizontal_fov)));
-  PinholeCamera camera = depth_camera(robot.depth, width, std::max(1, height));
-  camera.fy = camera.fx;
-  return camera;
-}
-
 Robot make_robot(const GazeboRobotConfiguration& options) {
+  std::map<int, PinholeCamera> cameras = gazebo_depth_cameras(options.robot, options.gazebo);
   const auto parts = std::make_shared<GazeboParts>(options);
   Robot robot;
   robot.clock = {parts, &parts->clock};
@@ -81,7 +73,8 @@ Robot make_robot(const GazeboRobotConfiguration& options) {
   robot.start.position.z() = options.robot.base_height();
   robot.made = parts->first.stamp;
   robot.simulated_time = true;
-  robot.depth = gazebo_depth_camera(options.robot, options.gazebo);
+  if (const auto first = cameras.extract(0)) robot.depth = first.mapped();
+  robot.more_depth = std::move(cameras);
   robot.description = gazebo_robot(options.robot);
   robot.described_by = "Gazebo's cameras";
   robot.link_faults = [parts] { return parts->sensors.faults(); };

@@ -20,7 +20,7 @@ namespace prospect {
 /// What measures a robot in Gazebo.
 struct GazeboMeasure {
   std::shared_ptr<const World> world;  ///< that Gazebo runs; null: nobody measures
-  DepthCameraOptions looks{};          ///< rays of the robot's depth camera, in the world's voxels
+  DepthCameraOptions looks{};          ///< of its depth cameras, in the world's voxels
   /// What of that world is to be seen from its start, which is the robot's.
   std::function<Grid<std::uint8_t>(const World&)> reachable{};
 };
@@ -33,9 +33,6 @@ struct GazeboRobotConfiguration {
   std::vector<InjectedFault> faults{};  ///< but for those of planner and disk
   GazeboMeasure measure{};
 };
-
-/// The depth camera as Gazebo renders it: square pixels, the principal point in the middle.
-PinholeCamera gazebo_depth_camera(const RobotDescription& robot, const GazeboOptions& options);
 
 /// It begins with the pose that Gazebo knows to be true; nothing else of the truth is used but to
 /// measure. Its time is the simulation's (SimulationClock). It forks a process: make it before

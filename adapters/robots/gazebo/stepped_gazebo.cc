@@ -71,7 +71,7 @@ struct SteppedGazebo::Impl {
   explicit Impl(const GazeboOptions& given) : options(given), node(given.address), encoder(given) {
     world = gazebo_world_name(options, node);
     stereo.what = options.stereo;
-    depth.what = options.depth;
+    for (const std::string& name : gazebo_depth_names(options)) depths.emplace_back().what = name;
     connect();
     const msgs::Physics physics = parsed<msgs::Physics>(ask("physics_info", ""));
     step = physics.max_step_size();
@@ -198,7 +198,7 @@ struct SteppedGazebo::Impl {
     const auto model = parsed<msgs::Model>(answer);
     for (const msgs::Link& link : model.link()) {
       for (const msgs::Sensor& sensor : link.sensor()) {
-        for (SteppedCamera* camera : {&stereo, &depth}) {
+        for (SteppedCamera* camera : cameras()) {
           if (sensor.name() == camera->what) camera->rate = sensor.update_rate();
         }
       }
@@ -214,8 +214,9 @@ struct SteppedGazebo::Impl {
     }
   }
   std::vector<SteppedCamera*> cameras() {
-    if (options.depth.empty()) return {&stereo};
-    return {&stereo, &depth};
+    std::vector<SteppedCamera*> all = {&stereo};
+    for (SteppedCamera& depth : depths) all.push_back(&depth);
+    return all;
   }
   /// Of its links, then its own.
   GazeboPoses poses_of(const msgs::Model& model) const {
@@ -251,12 +252,14 @@ struct SteppedGazebo::Impl {
                        std::make_shared<const Image>(std::move(pair.images.right))},
            pair.stamp);
     });
-    if (!options.depth.empty()) {
-      all.push_back(of_robot(options.link + "/" + options.depth + "/image"));
-      node.subscribe(all[3], "gazebo.msgs.ImageStamped", [this](std::string_view bytes) {
+    for (std::size_t n = 0; n < depths.size(); ++n) {
+      all.push_back(of_robot(options.link + "/" + depths[n].what + "/image"));
+      node.subscribe(all.back(), "gazebo.msgs.ImageStamped", [this, n](std::string_view bytes) {
         GazeboDepth image = read_gazebo_depth(bytes, options.depth_range);
         const double stamp = image.stamp;
-        take(depth, DepthFrame{stamp, std::make_shared<const DepthImage>(std::move(image.image))},
+        take(depths[n],
+             DepthFrame{stamp, std::make_shared<const DepthImage>(std::move(image.image)),
+                        static_cast<int>(n)},
              stamp);
       });
     }
@@ -356,7 +359,8 @@ struct SteppedGazebo::Impl {
   std::int64_t steps = 0;
   double stepped = 0.0;  // [s] of the newest step that was told of
   GazeboPoses poses;     // the newest
-  SteppedCamera stereo, depth;
+  SteppedCamera stereo;
+  std::vector<SteppedCamera> depths;  // by number
   int request = 1 << 20;
   std::optional<msgs::Response> response;
 };

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <deque>
 #include <utility>
+#include <vector>
 
 #include "adapters/robots/simulator/kinematic_robot.h"
 #include "adapters/robots/simulator/seen_area.h"
@@ -10,7 +11,7 @@
 namespace prospect {
 namespace {
 
-constexpr double kLook = 0.2;  // [s] between two looks of the depth camera
+constexpr double kLook = 0.2;  // [s] between two looks of the depth cameras
 
 Pose between(const Pose& a, const Pose& b, double share) {
   Pose pose;
@@ -32,8 +33,13 @@ struct TrueRun::Impl {
       : told(std::move(told_poses)),
         base_height(robot.base_height()),
         contact(world, robot.shape, base_height),
-        camera(world, looks, robot.depth_mount, 1),
-        seen(world, slice_of(robot)) {}
+        seen(world, slice_of(robot)) {
+    for (const DepthSensor& sensor : robot.depth_sensors()) {
+      DepthCameraOptions rays = looks;
+      if (!cameras.empty()) rays.footprint = sensor.footprint, set_resolution(rays);
+      cameras.emplace_back(world, rays, sensor.mount, 1 + cameras.size());
+    }
+  }
 
   void set_reachable(const Grid<std::uint8_t>& reachable) {
     seen.set_reachable(reachable);
@@ -52,7 +58,7 @@ struct TrueRun::Impl {
     touches = touches_now;
     if (newest.stamp >= next_look) {
       next_look = newest.stamp + kLook;
-      seen.look(camera, pose);
+      for (DepthCamera& camera : cameras) seen.look(camera, pose);
     }
     poses.push_back({newest.stamp, pose});
     while (poses.size() > 2 && poses[1].stamp < newest.stamp - kRemembered) poses.pop_front();
@@ -72,7 +78,7 @@ struct TrueRun::Impl {
   Poses told;
   double base_height;
   ContactTest contact;
-  DepthCamera camera;
+  std::vector<DepthCamera> cameras;  // by number
   SeenArea seen;
   std::deque<GazeboTruth::Stamped> poses;
   bool touches = false, lost = false;

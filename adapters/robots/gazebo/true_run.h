@@ -16,7 +16,7 @@
 namespace prospect {
 
 /// What is true of a robot in Gazebo, in a world that is known, for evaluation: by the rules of the
-/// simulator. Coverage is what rays of its depth camera, cast from its true poses in the world's
+/// simulator. Coverage is what rays of its depth cameras, cast from its true poses in the world's
 /// voxels, have seen of what it can reach; a contact is a body that meets a voxel which is not
 /// free. Thread-safety: one thread at a time. Errors: the constructor throws as DepthCamera's does.
 class TrueRun final : public Truth {

@@ -28,8 +28,9 @@ RobotDrivers made(const UserRobotConfiguration& o) {
   const bool sensors = !drivers.sensors.empty() &&
                        std::ranges::all_of(drivers.sensors, [](auto& s) { return s != nullptr; });
   if (!drivers.base || !sensors) {
-    throw std::invalid_argument(o.user.name + ": no " + (drivers.base ? "sensors" : "base") +
-                                "; expected UserRobot::make to give both");
+    throw std::invalid_argument(
+        o.user.name + ": no " + (drivers.base ? "sensors" : "base") +
+        "; expected both of UserRobot::make, or the other of a second --base plugin:FILE");
   }
   return drivers;
 }

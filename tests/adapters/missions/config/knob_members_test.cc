@@ -556,9 +556,9 @@ TEST(KnobMembers, EveryNumberAndSwitchOfDrivingIsAKnob) {
   }
   {
     GazeboOptions o;
-    [[maybe_unused]] auto& [address, world, model, link, stereo, depth, left_wheel, right_wheel,
-                            depth_width, image_noise, wheel_radius, wheel_separation, turned_yaw,
-                            dead_man, period, silence, depth_range, seed] = o;
+    [[maybe_unused]] auto& [address, world, model, link, stereo, depth, depth_sensors, left_wheel,
+                            right_wheel, depth_width, image_noise, wheel_radius, wheel_separation,
+                            turned_yaw, dead_man, period, silence, depth_range, seed] = o;
     EXPECT_KNOBS(o, address.port, address.timeout, depth_width, image_noise, wheel_radius,
                  wheel_separation, turned_yaw, dead_man, period, silence);
   }

@@ -13,6 +13,7 @@
 #include <string>
 
 #include "adapters/formats/bags/bag_file.h"
+#include "adapters/formats/datasets/depth_source.h"
 #include "adapters/formats/datasets/elements.h"
 #include "adapters/formats/datasets/ros_messages.h"
 #include "adapters/formats/files/input_error.h"
@@ -157,8 +158,11 @@ TEST_F(MissionLogTest, StampsOfPlannerCallsNeverGoBack) {
 TEST_F(MissionLogTest, EveryTopicHasItsMessage) {
   options_.images = true;
   options_.messages.epoch = 1'000'000'000'000'000'000;  // in 2001
-  options_.messages.depth_camera.width = 4.0;
-  options_.messages.depth_camera.height = 3.0;
+  options_.messages.depth_cameras[0].width = 4.0;
+  options_.messages.depth_cameras[0].height = 3.0;
+  options_.messages.depth_cameras[2] = {};
+  options_.messages.depth_cameras[2].width = 2.0;
+  options_.messages.robot.more_depth.resize(2);
   {
     MissionLog log(path_, start_, options_);
     Belief belief;
@@ -183,6 +187,8 @@ TEST_F(MissionLogTest, EveryTopicHasItsMessage) {
     log.on_frame(WheelSample{2.0, {0.3, 0.0}, 0.1});
     log.on_frame(pair_at(2.0));
     log.on_frame(DepthFrame{2.0, std::make_shared<const DepthImage>(4, 3, 1.25F)});
+    log.on_frame(DepthFrame{2.0, std::make_shared<const DepthImage>(2, 1, 1.0F), 1});
+    log.on_frame(DepthFrame{2.5, std::make_shared<const DepthImage>(2, 1, 1.5F), 2});
     log.on_record(run(1).steps[0], {});
     log.finish(RunRecord());
   }
@@ -213,17 +219,56 @@ TEST_F(MissionLogTest, EveryTopicHasItsMessage) {
   // By the readers of recordings.
   Elements transforms("transforms");
   EXPECT_EQ(read_ros_transforms(message("/tf"), "tf", transforms)[0].parent, "odom");
-  EXPECT_EQ(read_ros_transforms(message("/tf_static"), "tf", transforms).size(), 5U);
+  EXPECT_EQ(read_ros_transforms(message("/tf_static"), "tf", transforms).size(), 9U);
   EXPECT_EQ(transforms.bad(), 0);
   const RawImage left = read_ros_image(message("/camera/left/image_rect"), false, "left");
   EXPECT_EQ(left.width, 8);
   EXPECT_EQ(read_ros_header(message("/camera/right/camera_info"), "info").frame,
             "camera_right_optical");
   EXPECT_EQ(read_ros_image(message("/camera/depth/image_rect"), false, "depth").width, 4);
+  EXPECT_EQ(read_ros_image(message("/camera/depth_2/image_rect"), false, "depth").width, 2);
+  EXPECT_EQ(read_ros_header(message("/camera/depth_2/camera_info"), "info").frame,
+            "camera_depth_2_optical");
+  EXPECT_EQ(bag.find("/camera/depth_1/image_rect"), nullptr) << "whose camera nobody knows";
   ASSERT_NE(bag.metadata("run"), nullptr);
   EXPECT_EQ(bag.metadata("run")->at("command_line"), "prospect drive");
   EXPECT_EQ(bag.metadata("run")->at("seed"), "12345678901234567890");
   EXPECT_THAT(bag.metadata("run")->at("configuration"), HasSubstr("time_limit: 77"));
+}
+
+TEST_F(MissionLogTest, DepthCamerasAreReadAsThoseOfOneRig) {
+  options_.images = true;
+  RobotDescription& robot = options_.messages.robot;
+  robot.more_depth = {{robot.depth, {CameraMount::forward_facing({-0.1, 0.2, 0.3}, 2.0, 0.1)}}};
+  for (const int sensor : {0, 1}) {
+    PinholeCamera& camera = options_.messages.depth_cameras[sensor];
+    camera.width = 4.0 + sensor, camera.height = 3.0;
+    camera.fx = camera.fy = 4.0;
+    camera.cx = 1.5, camera.cy = 1.0;
+  }
+  {
+    MissionLog log(path_, start_, options_);
+    for (int n = 0; n < 8; ++n) {
+      Belief belief;
+      belief.stamp = 1.0 + 0.5 * n;
+      belief.pose = {{0.3 * n, 0.1, 0.0}, 0.2 * n};
+      log.on_belief(belief);
+    }
+    for (const double stamp : {1.25, 2.5, 3.0}) {
+      log.on_frame(DepthFrame{stamp, std::make_shared<const DepthImage>(4, 3, 1.25F)});
+      log.on_frame(DepthFrame{stamp, std::make_shared<const DepthImage>(5, 3, 1.5F), 1});
+    }
+    log.finish(RunRecord());
+  }
+  const DepthSource source = open_depth_source(path_);
+  ASSERT_THAT(source.missing, testing::IsEmpty());
+  EXPECT_EQ(source.images.size(), 3U);
+  ASSERT_EQ(source.more.size(), 1U);
+  EXPECT_EQ(source.more[0].images.size(), 3U);
+  EXPECT_EQ(source.more[0].camera.width, 5.0);
+  const Eigen::Isometry3d T_FC = robot.depth_mount.T_BC.inverse() * robot.more_depth[0].mount.T_BC;
+  EXPECT_TRUE(source.more[0].T_FC.isApprox(T_FC, 1e-6));
+  EXPECT_TRUE(source.more[0].poses[1].isApprox(source.poses[1], 1e-9));
 }
 
 TEST_F(MissionLogTest, WithoutImagesThereAreNone) {

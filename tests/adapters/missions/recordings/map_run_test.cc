@@ -98,6 +98,64 @@ TEST_F(MapRecording, TheSameGivesTheSame) {
   EXPECT_TRUE(run_mapping(dataset, fine(), 12).frames.empty());
 }
 
+// Every other image as that of a second camera of the rig, whatever its stamps.
+TEST_F(MapRecording, ImagesOfSeveralCamerasEnterOneMap) {
+  recording_.write_seven_scenes(folder_);
+  const MapSummary whole = summarize(run_mapping(DepthDataset::open(folder_), fine()));
+  Eigen::Isometry3d T_FC = Eigen::Isometry3d::Identity();
+  T_FC.linear() = Eigen::AngleAxisd(1.0, Eigen::Vector3d::UnitY()).toRotationMatrix();
+  T_FC.translation() = Eigen::Vector3d(0.1, -0.2, 0.05);
+  for (const bool together : {false, true}) {
+    DepthSource source = open_depth_source(folder_);
+    DepthSource first = source;
+    MoreDepthImages second;
+    second.camera = *source.camera;
+    second.camera.width = second.camera.height = 0.0;
+    second.T_FC = T_FC;
+    std::vector<std::size_t> of_first, of_second;
+    first.poses.clear();
+    first.images.stamps.clear();
+    first.images.names.clear();
+    for (std::size_t i = 0; i < source.images.size(); ++i) {
+      const bool other = i % 2 == 1;
+      ImageStream& images = other ? second.images : first.images;
+      images.stamps.push_back(source.images.stamps[i - (other && together ? 1 : 0)]);
+      images.names.push_back(source.images.names[i]);
+      (other ? of_second : of_first).push_back(i);
+      if (other) {
+        // At the same instant the rig has one place: both images are of the first one's.
+        const std::size_t from = together ? i - 1 : i;
+        second.poses.push_back(together ? source.poses[from] : source.poses[i] * T_FC.inverse());
+      } else {
+        first.poses.push_back(source.poses[i]);
+      }
+    }
+    if (together) {
+      second.T_FC.setIdentity();
+      of_second = of_first;
+    }
+    first.images.read = [=](std::size_t i) { return source.images.read(of_first.at(i)); };
+    second.images.read = [=](std::size_t i) { return source.images.read(of_second.at(i)); };
+    first.more = {second};
+    const DepthDataset dataset = DepthDataset::open(first, {});
+    ASSERT_EQ(dataset.size(), 12);
+    EXPECT_EQ(dataset.sensors(), 2);
+    EXPECT_EQ(dataset.sensor(1), 1);
+    const MapRun run = run_mapping(dataset, fine());
+    const MapSummary s = summarize(run);
+    EXPECT_EQ(s.ok, 12) << s.rejected_reason;
+    EXPECT_TRUE(s.taken);
+    // As the first camera would measure it.
+    EXPECT_NEAR(run.frames[1].mapped.ground.height, (run.T_WD * dataset.pose(1)).translation().z(),
+                0.01);
+    EXPECT_LT(s.height_error, 0.005);
+    EXPECT_EQ(s.low_cells, 0);
+    if (together) continue;
+    EXPECT_NEAR(s.free_cells, whole.free_cells, 0.01 * whole.free_cells);
+    EXPECT_NEAR(s.occupied_cells, whole.occupied_cells, 0.02 * whole.occupied_cells);
+  }
+}
+
 TEST_F(MapRecording, WithoutPosesTheGroundIsMeasuredOnly) {
   recording_.write_numbered(folder_);
   DepthDatasetOptions options;

@@ -21,6 +21,7 @@ using ::testing::HasSubstr;
 
 const std::string kStereo = "/gazebo/room/robot/base/stereo/images";
 const std::string kDepth = "/gazebo/room/robot/base/depth/image";
+const std::string kRear = "/gazebo/room/robot/base/depth_1/image";
 
 void fill(gazebo::msgs::Image* image, unsigned format, const std::string& data) {
   image->set_width(2);
@@ -40,10 +41,11 @@ TEST(GazeboSensors, PutsPairsAndDepthsIntoTheInbox) {
   SensorInbox inbox(clock, own_clock);
   GazeboOptions options = gazebo.options();
   options.image_noise = 0.0;
+  options.depth_sensors = 2;
   const GazeboSensors sensors(options, clock, inbox);
   ASSERT_TRUE(soon([&] {
     return gazebo.subscribers(kStereo) == 1 && gazebo.subscribers(kDepth) == 1 &&
-           sensors.connected();
+           gazebo.subscribers(kRear) == 1 && sensors.connected();
   }));
   gazebo::msgs::ImagesStamped pair;
   FakeGazebo::stamp(pair, 1000.0);
@@ -66,6 +68,9 @@ TEST(GazeboSensors, PutsPairsAndDepthsIntoTheInbox) {
   EXPECT_EQ(inbox.ranges().depth.image->at(1, 0), 2.0f);
   EXPECT_EQ(inbox.ranges().depth.stamp, 1000.05);  // the simulation's time is the runtime's
   EXPECT_GE(clock.now(), 1000.05);
+  gazebo.publish(kRear, depth);
+  ASSERT_TRUE(soon([&] { return inbox.ranges(1).depth.image != nullptr; }));
+  EXPECT_EQ(inbox.ranges(1).depth.image->at(1, 0), 2.0f);
   EXPECT_TRUE(sensors.faults().empty());
 
   gazebo.publish(kDepth, std::string("no image"));

@@ -131,6 +131,34 @@ TEST(GazeboWorldFile, BoxesStandWhereTheRobotCannot) {
   EXPECT_NEAR(area, 2.2 * 1.7 - 2.0 * 1.5 + 0.06, 1e-6);
 }
 
+// Each has its name, its place and its view.
+TEST(GazeboWorldFile, ARobotHasAllItsDepthCameras) {
+  RobotDescription seeing = robot();
+  DepthSensor rear{seeing.depth, {CameraMount::forward_facing({-0.1, 0.0, 0.3}, M_PI, 0.0)}};
+  rear.footprint.horizontal_fov = 1.5;
+  rear.footprint.vertical_fov = 1.0;
+  seeing.more_depth = {rear};
+  const Exported e;
+  const auto files = gazebo_world_files(e.world, e.mesh, seeing, {}, "box");
+  const std::string& sdf = files.back().second;
+  EXPECT_THAT(sdf, HasSubstr("<sensor name=\"depth\" type=\"depth\">"));
+  const std::size_t at = sdf.find("<sensor name=\"depth_1\" type=\"depth\">");
+  ASSERT_NE(at, std::string::npos);
+  const std::string second = sdf.substr(at, 500);
+  EXPECT_THAT(second, HasSubstr("<horizontal_fov>1.5</horizontal_fov>"));
+  const auto cameras = gazebo_depth_cameras(seeing, {});
+  ASSERT_EQ(cameras.size(), 2U);
+  EXPECT_NEAR(cameras.at(1).fx, 160.0 / std::tan(0.75), 1e-9);
+  EXPECT_EQ(cameras.at(1).height, std::round(320.0 * std::tan(0.5) / std::tan(0.75)));
+  EXPECT_THAT(
+      second,
+      HasSubstr("<height>" + std::to_string(static_cast<int>(cameras.at(1).height)) + "</height>"));
+  EXPECT_THAT(second, HasSubstr("<pose>-0.1 0 0.3"));
+  // A lidar is none.
+  seeing.more_depth[0].footprint.vertical_fov = 0.0;
+  EXPECT_THROW(gazebo_depth_cameras(seeing, {}), InputError);
+}
+
 TEST(GazeboWorldFile, RefusesWhatGazeboCannotShow) {
   const Exported e;
   RobotDescription oblong = robot();

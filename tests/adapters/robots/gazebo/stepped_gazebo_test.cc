@@ -49,7 +49,7 @@ struct SteppedRoom {
 
   std::atomic<std::int64_t> steps{0};
   std::mutex mutex;
-  std::array<double, 2> next = {NAN, NAN};              // [s] frame of stereo, of depth
+  std::array<double, 3> next = {NAN, NAN, NAN};         // [s] frame of stereo, of each depth
   double speed = 0.0, angle = 0.0;                      // in force; of the wheels
   std::vector<std::pair<std::int64_t, double>> driven;  // from which step on which speed
   Steady::time_point told{};
@@ -115,7 +115,8 @@ struct SteppedRoom {
         link->set_name(name);
         place(link->mutable_pose(), std::string(name) == "robot::base" ? 0.0 : angle);
       }
-      for (const auto& [name, rate] : {std::pair("stereo", 15.0), std::pair("depth", depth_rate)}) {
+      for (const auto& [name, rate] :
+           {std::pair("stereo", 15.0), std::pair("depth", depth_rate), std::pair("depth_1", 5.0)}) {
         msgs::Sensor* const sensor = robot.mutable_link(0)->add_sensor();
         sensor->set_name(name);
         sensor->set_update_rate(rate);
@@ -187,6 +188,13 @@ struct SteppedRoom {
       picture(depth.mutable_image(), std::string(reinterpret_cast<const char*>(&metres), 4));
       render(out, "robot/base/depth/image", depth.SerializeAsString());
     }
+    if (takes(next[2], 5.0, now, looks)) {
+      const float metres = 2.0f;
+      msgs::ImageStamped depth;
+      FakeGazebo::stamp(depth, now);
+      picture(depth.mutable_image(), std::string(reinterpret_cast<const char*>(&metres), 4));
+      render(out, "robot/base/depth_1/image", depth.SerializeAsString());
+    }
   }
 
   void render(FakeGazebo::Answers& out, const std::string& topic, std::string bytes) {
@@ -203,6 +211,7 @@ struct SteppedRoom {
   GazeboOptions options() const {
     GazeboOptions options = gazebo.options();
     options.silence = silence;
+    options.depth_sensors = 2;
     return options;
   }
 };
@@ -227,9 +236,14 @@ Told drive(SteppedRoom& room) {
   told.frame = [&](const SensorFrame& frame) {
     const auto* wheels = std::get_if<WheelSample>(&frame);
     if (wheels) all.speeds.push_back(wheels->velocity.x());
+    const auto* depth = std::get_if<DepthFrame>(&frame);
+    if (depth) {
+      EXPECT_EQ(depth->image->at(0, 0), depth->sensor == 0 ? 1.0f : 2.0f);
+    }
     line(wheels               ? "wheels"
-         : frame.index() == 0 ? "pair"
-                              : "depth",
+         : !depth             ? "pair"
+         : depth->sensor == 0 ? "depth"
+                              : "rear",
          wheels ? wheels->stamp : stamp_of(frame), wheels ? wheels->velocity.x() : 0.0);
   };
   told.pose = [&](double stamp, const Pose& pose) { line("pose", stamp, pose.yaw); };
@@ -259,6 +273,7 @@ TEST(SteppedGazebo, TellsTheSameHoweverBusyTheMachineIs) {
   };
   EXPECT_EQ(count("pair"), 6) << "the 15th to the 20th";
   EXPECT_EQ(count("depth"), 4) << "that of 1.4 s is due a step later";
+  EXPECT_EQ(count("rear"), 2) << "those of 1 and 1.2 s are due a step later, too";
   ASSERT_EQ(one.speeds.size(), 9u) << "at each pair, and at the end of each command";
   EXPECT_NEAR(one.speeds[2], 0.0, 1e-9);
   EXPECT_NEAR(one.speeds[3], 0.4, 1e-9);
