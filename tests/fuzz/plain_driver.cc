@@ -1,6 +1,7 @@
 // Drives a fuzzing target where there is no libFuzzer: mutations of a corpus by a seeded generator,
 // without regard to coverage. Takes those of libFuzzer's options that the README names.
 #include <sys/resource.h>
+#include <sys/time.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -28,7 +29,7 @@ using Bytes = std::vector<std::uint8_t>;
 struct Options {
   double max_total_time = 0.0;  ///< [s] of processor time; 0: only what the corpus holds
   std::uint64_t seed = 1;
-  unsigned timeout = 5;             ///< [s] an input
+  unsigned timeout = 5;             ///< [s] of processor time, an input
   std::size_t rss_limit_mb = 2048;  ///< of the process
   std::size_t max_len = 1 << 20;    ///< [bytes] of an input
   std::vector<std::string> corpus;  ///< files and folders
@@ -46,7 +47,8 @@ void leave_behind(int signal) {
       std::fclose(file);
     }
     std::fprintf(stderr, "signal %d (%s); the input is in %s\n", signal,
-                 signal == SIGALRM ? "too slow" : strsignal(signal), crash_path);
+                 signal == SIGALRM || signal == SIGPROF ? "too slow" : strsignal(signal),
+                 crash_path);
   }
   std::_Exit(77);
 }
@@ -204,11 +206,21 @@ double processor_time() {
   return seconds;
 }
 
+/// [s] of processor time from now on, after which an input is too slow; and what a busy machine
+/// may make of that, for one that waits. 0: no end.
+void limit(unsigned seconds) {
+  constexpr unsigned kBusy = 30;
+  itimerval timer{};
+  timer.it_value.tv_sec = seconds;
+  ::setitimer(ITIMER_PROF, &timer, nullptr);
+  ::alarm(kBusy * seconds);
+}
+
 void run(const Bytes& bytes, const Options& options) {
   current = &bytes;
-  ::alarm(options.timeout);
+  limit(options.timeout);
   LLVMFuzzerTestOneInput(bytes.data(), bytes.size());
-  ::alarm(0);
+  limit(0);
   rusage used{};
   ::getrusage(RUSAGE_SELF, &used);
   if (static_cast<std::size_t>(used.ru_maxrss) > options.rss_limit_mb << 10) {
@@ -224,7 +236,7 @@ int main(int argc, char** argv) {
   const Options options = options_of(argc, argv);
   std::snprintf(crash_path, sizeof crash_path, "crash-%llu-%d",
                 static_cast<unsigned long long>(options.seed), static_cast<int>(::getpid()));
-  for (const int signal : {SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL, SIGALRM}) {
+  for (const int signal : {SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL, SIGALRM, SIGPROF}) {
     std::signal(signal, leave_behind);
   }
   const std::vector<Bytes> corpus = read_corpus(options.corpus);
