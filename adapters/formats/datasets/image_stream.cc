@@ -20,18 +20,20 @@ constexpr std::array<StampUnit, 4> kStampUnits = {StampUnit{1.0, "s"}, StampUnit
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
 struct NameNumber {
-  std::string prefix;
+  std::string prefix, suffix;
   std::int64_t number = 0;
   bool decimal = false;
 };
 
-/// The number at the end of a name without its extension; none if there is none, or one too long.
-std::optional<NameNumber> number_of(const std::string& stem) {
+/// The last number in a name without its extension; none if there is none, or one too long.
+std::optional<NameNumber> number_of(const std::string& name) {
+  const std::string stem = name.substr(0, name.find_last_of("0123456789") + 1);
   std::size_t begin = stem.size();
   while (begin > 0 && is_digit(stem[begin - 1])) --begin;
   std::string digits = stem.substr(begin);
   std::string fraction;
   NameNumber out;
+  out.suffix = name.substr(stem.size());
   if (begin > 1 && stem[begin - 1] == '.' && is_digit(stem[begin - 2])) {
     out.decimal = true;
     fraction = digits;
@@ -81,7 +83,7 @@ NumberedImages numbered_images(const std::string& folder) {
     throw InputError(folder + ": no such folder; expected one with numbered images");
   }
   NumberedImages out;
-  std::string prefix;
+  std::string prefix, suffix;
   bool first = true;
   std::vector<std::string> names;
   for (const auto& entry : fs::directory_iterator(folder, error)) {
@@ -98,8 +100,10 @@ NumberedImages numbered_images(const std::string& folder) {
     if (!number) throw InputError(path + ": the name is no number; expected NUMBER or a stamp");
     if (first) {
       prefix = number->prefix;
+      suffix = number->suffix;
       out.decimal = number->decimal;
-    } else if (number->prefix != prefix || number->decimal != out.decimal) {
+    } else if (number->prefix != prefix || number->suffix != suffix ||
+               number->decimal != out.decimal) {
       throw InputError(path + ": is named otherwise than " + names[0] +
                        "; expected names that differ in their number only");
     }

@@ -33,15 +33,15 @@ struct NumberedImage {
   std::string path;
 };
 
-/// The images of a folder (raw_image.h), by the number in their names, which may have a prefix that
-/// is the same for all ("left_000012.png", "1700000000.25.png"). Hidden files and what is no image
-/// are passed over.
+/// The images of a folder (raw_image.h), by the last number in their names; what is before and
+/// behind it is the same for all ("left_000012.png", "12_rect.png", "1700000000.25.png"). Hidden
+/// files and what is no image are passed over.
 struct NumberedImages {
   std::vector<NumberedImage> images;
   bool decimal = false;  ///< the numbers are nanoseconds: names state seconds
 };
-/// Throws InputError, one line: no such folder, no image in it, a name without a number or with
-/// another prefix, the same number twice.
+/// Throws InputError, one line: no such folder, no image in it, a name without a number or named
+/// otherwise than the others, the same number twice.
 NumberedImages numbered_images(const std::string& folder);
 
 /// Which line of a file with a line a frame, such as times.txt or poses.txt, belongs to each image,

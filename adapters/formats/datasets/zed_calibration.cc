@@ -23,8 +23,8 @@ constexpr ZedResolution kZedResolutions[] = {{"hd", 1280, 720},   {"2k", 2208, 1
                                              {"fhd", 1920, 1080}, {"vga", 672, 376},
                                              {"svga", 960, 600},  {"fhd1200", 1920, 1200}};
 
-/// Numbers by "section:key" in lower case.
-using ZedEntries = std::map<std::string, double>;
+/// Texts by "section:key" in lower case.
+using ZedEntries = std::map<std::string, std::string>;
 
 ZedEntries read_entries(const std::string& path) {
   ZedEntries entries;
@@ -37,15 +37,14 @@ ZedEntries read_entries(const std::string& path) {
       continue;
     }
     const auto equals = line.find('=');
-    std::vector<double> numbers;
-    if (equals == std::string::npos || !parse_numbers(line.substr(equals + 1), numbers) ||
-        numbers.size() != 1) {
-      continue;
-    }
+    if (equals == std::string::npos) continue;
     std::string key = line.substr(0, equals);
     key.erase(key.find_last_not_of(" \t") + 1);
-    entries[section + ":" + key.substr(std::min(key.size(), key.find_first_not_of(" \t")))] =
-        numbers[0];
+    key = key.substr(std::min(key.size(), key.find_first_not_of(" \t")));
+    if (!entries.emplace(section + ":" + key, line.substr(equals + 1)).second) {
+      throw InputError(path + ": " + key + " is stated twice in [" + section +
+                       "]; expected Stereolabs' calibration of a ZED");
+    }
   }
   return entries;
 }
@@ -78,12 +77,18 @@ class ZedReader {
                        name.substr(0, name.find(':')) +
                        "]; expected Stereolabs' calibration of a ZED");
     }
-    return found->second;
+    std::vector<double> numbers;
+    if (!parse_numbers(found->second, numbers) || numbers.size() != 1) {
+      throw InputError(path_ + ": " + name.substr(name.find(':') + 1) + " in [" +
+                       name.substr(0, name.find(':')) + "] is '" + found->second +
+                       "'; expected one number");
+    }
+    return numbers[0];
   }
   /// Of a resolution, of all, or 0.
   double stereo(const std::string& key, const ZedResolution& of) const {
     for (const std::string& name : {"stereo:" + key + "_" + of.name, "stereo:" + key}) {
-      if (entries_.contains(name)) return entries_.at(name);
+      if (entries_.contains(name)) return number(name);
     }
     return 0.0;
   }
@@ -102,8 +107,7 @@ class ZedReader {
     }
     std::vector<double> k;
     for (const char* key : {"k1", "k2", "p1", "p2"}) k.push_back(number(section + key));
-    const auto third = entries_.find(section + "k3");
-    k.push_back(third == entries_.end() ? 0.0 : third->second);
+    k.push_back(entries_.contains(section + "k3") ? number(section + "k3") : 0.0);
     set_lens(out, "radtan", k);
     return out;
   }

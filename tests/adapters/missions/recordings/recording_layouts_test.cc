@@ -201,7 +201,7 @@ TEST_F(Recording, HiddenFilesAndOtherFilesArePassedOver) {
   write("image_1/readme.txt", "of a person");
   follow();
   write("image_0/000003 (copy).png", "");
-  EXPECT_THAT(refusal(), HasSubstr("the name is no number"));
+  EXPECT_THAT(refusal(), HasSubstr("is named otherwise than"));
 }
 
 TEST_F(Recording, RateOfImagesWithoutTimes) {
@@ -346,9 +346,9 @@ TEST_F(Recording, NumbersBeginAnywhereAndStep) {
     Trajectory truth;
     for (int k = -before; k < kFrames + after; ++k) truth.push_back({0.0, pose(k)});
     for (int k = 0; k < kFrames; ++k) {
-      const std::string name = "/img" + std::to_string(first + step * k) + ".png";
-      image("image_0" + name, grey(pairs()[k].left));
-      image("image_1" + name, grey(pairs()[k].right));
+      const std::string name = "/img" + std::to_string(first + step * k);
+      image("image_0" + name + (step == 33 ? "_left.png" : ".png"), grey(pairs()[k].left));
+      image("image_1" + name + (step == 33 ? "-right.png" : ".png"), grey(pairs()[k].right));
     }
     write("calib.txt",
           "P0: 240 0 160 0 0 240 120 0 0 0 1 0\nP1: 240 0 160 -28.8 0 240 120 0 0 0 1 0\n");
@@ -364,6 +364,8 @@ TEST_F(Recording, NumbersBeginAnywhereAndStep) {
   }
   write("times.txt", "9.0\n9.1\n");
   EXPECT_THAT(refusal(), HasSubstr("holds 2 lines for 5 images, numbered 7 to 11"));
+  write("image_0/img12_b.png", "");
+  EXPECT_THAT(refusal(), HasSubstr("img12_b.png: is named otherwise than"));
 }
 
 // ---- What is bad is left out -----------------------------------------------------------------
@@ -679,6 +681,10 @@ TEST_F(Recording, CalibrationOfAZed) {
   EXPECT_THAT(refusal(options), HasSubstr("is for images of 1280 x 720 px, 672 x 376 px, but"));
   options.calibration = write("SN2.conf", "[STEREO]\nBaseline=120\n");
   EXPECT_THAT(refusal(options), HasSubstr("fx is missing in [left_cam_hd]"));
+  options.calibration = write("SN3.conf", conf + "RX_VGA=0.02\n");
+  EXPECT_THAT(refusal(options), HasSubstr("rx_vga is stated twice in [stereo]"));
+  options.calibration = write("SN4.conf", conf.replace(conf.find("188.25"), 6, "188,25"));
+  EXPECT_THAT(refusal(options), HasSubstr("cy in [left_cam_hd] is '188,25'; expected one number"));
 }
 
 /// Frames as they are, 0.1 s apart from 20 s on.
