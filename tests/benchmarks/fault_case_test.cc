@@ -107,10 +107,10 @@ TEST(FaultCase, NoFaultEndsInAContactOrASilentStall) {
       {"disk:intermittent", "", 0.0, false},
       {"base:inverted", "does not follow", 0.24, true},
       {"base:mirrored", "does not follow", 0.3, true},
-      {"base:double", "does not follow", 0.45, true},
+      {"base:double", "does not follow", 0.33, true},
       // It stands at once; that nothing comes of what it is told is seen later.
       {"base:ignores", "plan", 0.09, true},
-      {"base:runaway", "uncommanded motion", 0.6, true},
+      {"base:runaway", "does not follow", 0.45, true},
       {"base:one-wheel", "does not follow", 0.24, true},
   };
   std::vector<InjectedFault> faults;
