@@ -2,18 +2,25 @@
 
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <string>
 
 #include "adapters/views/report/report.h"
 
 namespace prospect::report_steps_test {
 namespace {
 
+TermValue term(const std::string& name, double weighted, bool constraint = false) {
+  TermValue value;
+  value.name = name;
+  value.weighted = weighted;
+  value.constraint = constraint;
+  return value;
+}
+
 TEST(Report, EachCostTermOfAnyStepIsAColumn) {
   auto first = std::make_shared<StepRecord>(), second = std::make_shared<StepRecord>();
-  first->explanation.terms = {{.name = "path", .weighted = 2.0},
-                              {.name = "clearance", .weighted = 7.0, .constraint = true}};
-  second->explanation.terms = {{.name = "gain", .weighted = -1.0},
-                               {.name = "path", .weighted = 0.5}};
+  first->explanation.terms = {term("path", 2.0), term("clearance", 7.0, true)};
+  second->explanation.terms = {term("gain", -1.0), term("path", 0.5)};
   const auto part = nlohmann::json::parse(report_steps({first, second}, 0.1));
   const nlohmann::json& terms = part.at("terms");
   ASSERT_EQ(terms.size(), 2u);
