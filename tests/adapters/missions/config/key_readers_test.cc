@@ -495,7 +495,8 @@ TEST(KeyReaders, AFileMayDescribeARobotForAllItsMissions) {
   EXPECT_THAT(said("", view, {.use = Use::kDriveDds}), ElementsAre());
   EXPECT_EQ(said("", view, {.use = Use::kDriveDds, .view_told = true}).size(), 1U);
   const std::vector<YamlSetting> rear = {"robot.more_depth=[{mount: {yaw: 180}}]"};
-  for (const Use use : {Use::kExplore, Use::kDriveDds, Use::kDriveUser, Use::kDriveGazebo}) {
+  for (const Use use :
+       {Use::kExplore, Use::kDriveDds, Use::kDriveUser, Use::kDriveGazebo, Use::kExport}) {
     EXPECT_THAT(said("", rear, {.use = use}), ElementsAre());
   }
   EXPECT_THAT(said("", spaced, {.use = Use::kDriveUser, .pairs = false}), ElementsAre());
