@@ -118,6 +118,24 @@ void FrontierPlanner::follow(const FrontierPlannerOptions& told) {
   traversability_.set_zones(told.traversability.zones);
 }
 
+void FrontierPlanner::follow(const PlaceMoves& moves) {
+  moved_ = true;
+  for (Eigen::Vector2d& place : been_) place = moves.now(place);
+  const GridFrame frame = traversability_.frame();
+  const auto now = [&](Cell c) {
+    const Eigen::Vector2d p = moves.now(frame.center(c));
+    return frame.cell(p.x(), p.y());
+  };
+  // Of a place that could not be passed nothing is known where it is now, but for how long.
+  for (Closing& c : closings_) {
+    traversability_.reopen(c.at, kHeldUpRadius);
+    c.at = now(c.at);
+    traversability_.close(c.at, kHeldUpRadius);
+  }
+  if (target_) target_ = now(*target_);
+  utility_.follow(moves);
+}
+
 bool FrontierPlanner::counts(const Eigen::Vector2d& p) const {
   const ZoneMap* zones = options_.traversability.zones.get();
   return (!options_.area || contains(*options_.area, p)) &&
@@ -444,8 +462,12 @@ void FrontierPlanner::take_over(const GroundMap& ground, const Pose& pose, doubl
   }
   detector_.update(traversability_, pause);
   path_lengths_.update(traversability_, pause);
-  utility_.map_changed(frame, traversability_.newly_known(), traversability_.changed_states(),
-                       pause);
+  if (std::exchange(moved_, false)) {
+    utility_.map_changed(frame, {}, {}, pause);
+  } else {
+    utility_.map_changed(frame, traversability_.newly_known(), traversability_.changed_states(),
+                         pause);
+  }
   if (activity.observed) {
     const ViewpointSource here = detector_.source_at(frame.cell(p.x(), p.y()));
     utility_.observation(traversability_.see_through(), detector_.frontiers(), pose, stamp,

@@ -153,6 +153,9 @@ class FrontierPlanner {
   /// What was told lies elsewhere in W from the next update() on. Nothing that was learned is
   /// forgotten.
   void follow(const FrontierPlannerOptions& told);
+  /// What was measured has moved in W (correction.h): what was learned goes with it. The map of the
+  /// next update() has moved, too, and what differs there is no news.
+  void follow(const PlaceMoves& moves);
 
   /// Whether what lies at p, in W, is to be seen: within the area, if there is one, and in no
   /// forbidden part of traversability.zones.
@@ -224,6 +227,7 @@ class FrontierPlanner {
   std::vector<Path> path_to_;          // each frontier, when the target was last chosen
   std::vector<Eigen::Vector2d> been_;  // where the robot was while it was not lost, in W [m]
   std::vector<Closing> closings_;
+  bool moved_ = false;          // the map since the last update
   std::optional<Cell> target_;  // frontier cell that is led to
   // When it was chosen: E, A, E / y(A) and what was explored [m^2].
   double target_area_ = 0.0, target_gain_ = 0.0, target_expected_ = 0.0, explored_then_ = 0.0;

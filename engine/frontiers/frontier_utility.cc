@@ -70,6 +70,13 @@ void FrontierUtility::map_changed(const GridFrame& frame, const std::vector<Cell
   }
 }
 
+void FrontierUtility::follow(const PlaceMoves& moves) {
+  confidence_ = moved(confidence_, moves, 1.0F);
+  range_ = moved(range_, moves, static_cast<float>(options_.sensor_range));
+  given_up_ = moved(given_up_, moves, std::uint8_t{0});
+  flips_ = moved(flips_, moves, std::uint8_t{0});
+}
+
 void FrontierUtility::observation(const Grid<std::uint8_t>& see_through,
                                   const std::vector<Frontier>& frontiers, const Pose& pose,
                                   double stamp, std::optional<Cell> seen_from_here,

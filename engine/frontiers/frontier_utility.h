@@ -8,6 +8,7 @@
 
 #include "engine/frontiers/frontiers.h"
 #include "engine/maps/grid.h"
+#include "engine/maps/place_moves.h"
 #include "engine/maps/traversability.h"
 #include "models/types.h"
 
@@ -83,6 +84,9 @@ class FrontierUtility {
   /// shrink).
   void map_changed(const GridFrame& frame, const std::vector<Cell>& newly_known,
                    const std::vector<Cell>& changed, const PausePoint& pause = {});
+
+  /// What was measured has moved in W (correction.h): the memory goes with it.
+  void follow(const PlaceMoves& moves);
 
   /// Counts a look at time `stamp` [s] from `pose` at the frontier cells in view, which are unknown
   /// by definition. see_through: nonzero where sight passes a cell. seen_from_here: a cell to which

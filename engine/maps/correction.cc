@@ -37,6 +37,15 @@ Pose planar(const Eigen::Isometry3d& T) {
   return pose;
 }
 
+/// Where W lies in M afterwards.
+Pose corrected(const Correction& c, const Pose& origin) {
+  Pose now = c.kind == CorrectionKind::kMap ? joined(planar(c.T_new_old), origin)
+                                            : joined(origin, planar(c.T_new_old));
+  now.position.z() = 0.0;
+  now.yaw = std::remainder(now.yaw, 2.0 * M_PI);
+  return now;
+}
+
 /// Of what others have written.
 std::string shown(const std::string& why) {
   constexpr std::size_t kMost = 160;
@@ -74,9 +83,13 @@ std::string Corrections::objection(const Correction& c, const Pose& robot) const
                      tilt * 180.0 / M_PI, kTilt * 180.0 / M_PI);
   }
   if (!is_pose_covariance(c.covariance)) return "its covariance is none";
-  const Pose before = joined(origin_of(frame_.get()), robot);
+  for (const AnchorMove& move : c.anchors) {
+    if (!is_pose(move.T_new_old))
+      return "it moves an anchor by no rotation and translation, finite";
+  }
+  const Pose origin = origin_of(frame_.get()), before = joined(origin, robot);
   const double distance =
-      (joined(planar(c.T_new_old), before).position - before.position).head<2>().norm();
+      (joined(corrected(c, origin), robot).position - before.position).head<2>().norm();
   if (!(distance <= kFarthestMove)) {
     return formatted("it moves the robot by %.4g m in the map; expected at most %g m", distance,
                      kFarthestMove);
@@ -99,7 +112,7 @@ Corrections::Answer Corrections::take(const Correction& c, const Pose& robot) {
               std::string("a correction of ") +
                   (c.kind == CorrectionKind::kRobot ? "the robot's place in what it has drawn"
                                                     : "parts of the map against each other") +
-                  " cannot be followed: an octree does not move"};
+                  " cannot be followed: what was drawn does not move, or moves already"};
     ++next.cannot_follow;
   }
   if (answer.verdict != CorrectionVerdict::kTaken) {
@@ -108,10 +121,14 @@ Corrections::Answer Corrections::take(const Correction& c, const Pose& robot) {
     frame_ = std::make_shared<const MapFrame>(std::move(next));
     return answer;
   }
+  take_into(next, c, robot);
+  frame_ = std::make_shared<const MapFrame>(std::move(next));
+  return answer;
+}
+
+void Corrections::take_into(MapFrame& next, const Correction& c, const Pose& robot) {
   const Pose before = next.to_map(robot);
-  next.origin = joined(planar(c.T_new_old), next.origin);
-  next.origin.position.z() = 0.0;
-  next.origin.yaw = std::remainder(next.origin.yaw, 2.0 * M_PI);
+  next.origin = corrected(c, next.origin);
   TakenCorrection taken;
   taken.stamp = c.stamp;
   const Pose after = next.to_map(robot);
@@ -121,8 +138,28 @@ Corrections::Answer Corrections::take(const Correction& c, const Pose& robot) {
   taken.why = shown(c.why);
   next.newest = std::move(taken);
   ++next.taken;
+}
+
+std::string Corrections::refuse(const Correction& c, const Pose& robot) {
+  std::string wrong = objection(c, robot);
+  if (wrong.empty()) return wrong;
+  wrong = "a correction of the map is refused: " + wrong;
+  if (!c.why.empty()) wrong += " (" + shown(c.why) + ')';
+  MapFrame next = frame_ ? *frame_ : MapFrame();
+  ++next.refused;
+  next.refusal = wrong;
   frame_ = std::make_shared<const MapFrame>(std::move(next));
-  return answer;
+  return wrong;
+}
+
+void Corrections::followed(const Correction& c, const Pose& robot,
+                           std::shared_ptr<const PlaceMoves> how) {
+  MapFrame next = frame_ ? *frame_ : MapFrame();
+  take_into(next, c, robot);
+  next.moved_places.push_back({next.taken, std::move(how)});
+  if (next.moved_places.size() > MapFrame::kMostMoved)
+    next.moved_places.erase(next.moved_places.begin());
+  frame_ = std::make_shared<const MapFrame>(std::move(next));
 }
 
 }  // namespace prospect

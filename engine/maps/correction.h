@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/maps/place_moves.h"
 #include "models/types.h"
 
 namespace prospect {
@@ -39,15 +40,20 @@ struct AnchorMove {
 /// so moves in W, by T_MW^-1; the guard certifies the plan against it before the next command.
 /// What is told to others in M is told by the T_MW of its time.
 ///
-/// kRobot, kAnchors: what was drawn would have to move. An octree is one piece, which cannot: such
-/// a correction is answered by kCannotFollow, and changes nothing. So a pose from outside that is
-/// corrected is taken as kMap (perception_pipeline.h): the robot's place in what it drew around it
-/// stays right, which is what keeps it off walls. To take it as kRobot would set the robot among
-/// walls that it drew elsewhere.
+/// kRobot, kAnchors: what was drawn moves, where the map is made of anchors (anchored_map.h), which
+/// takes some steps; then all that was measured is corrected at one instant. T_new_old is how the
+/// robot moves, the open anchor with it, and `anchors` how the others do (kRobot: not at all). W
+/// goes on without a jump: as seen from the robot, which stands still in it, each anchor and all
+/// that was seen from there moves by T_new_old^-1 T_anchor, and
+///     T_MW <- T_MW T_new_old.
+/// What rests on places in W follows MapFrame::moved_places. Where the map is one piece, which
+/// cannot move, such a correction is answered by kCannotFollow, and changes nothing. So a pose from
+/// outside that is corrected is taken as kMap (perception_pipeline.h): the robot's place in what it
+/// drew around it stays right, which is what keeps it off walls.
 struct Correction {
   double stamp = 0.0;  ///< [s] of the beliefs' clock
   CorrectionKind kind = CorrectionKind::kMap;
-  Eigen::Isometry3d T_new_old = Eigen::Isometry3d::Identity();  ///< kMap: in M; kRobot: in W
+  Eigen::Isometry3d T_new_old = Eigen::Isometry3d::Identity();  ///< kMap: in M; else in W
   /// Of its error in (x, y, z, yaw) [m, m, m, rad]; zero: not told.
   Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();
   std::vector<AnchorMove> anchors{};  ///< of kAnchors
@@ -66,6 +72,12 @@ struct TakenCorrection {
 /// "the map was corrected by 3.00 m and 30.0 degrees: WHY"
 std::string to_text(const TakenCorrection& correction);
 
+/// How what was measured has moved in W at a correction.
+struct MovedPlaces {
+  int taken = 0;  ///< MapFrame::taken from then on
+  std::shared_ptr<const PlaceMoves> how;
+};
+
 /// Where W lies in M, and how that came about; a value that never changes.
 struct MapFrame {
   Pose origin;      ///< T_MW in the plane: of W's origin, in M; its z is 0
@@ -74,6 +86,8 @@ struct MapFrame {
   int cannot_follow = 0;
   std::optional<TakenCorrection> newest{};
   std::string refusal{};  ///< of the newest that was refused or cannot be followed, one line
+  static constexpr std::size_t kMostMoved = 8;
+  std::vector<MovedPlaces> moved_places{};  ///< the newest, in their order
 
   Pose map_in_W() const;  ///< T_WM: of M's origin, in W
   Pose to_map(const Pose& in_W) const;
@@ -115,6 +129,12 @@ class Corrections {
     std::string why{};
   };
   Answer take(const Correction& correction, const Pose& robot);
+  /// Why one of anchors or of the robot is refused where it could be followed; counted. Empty: it
+  /// may be.
+  std::string refuse(const Correction& correction, const Pose& robot);
+  /// It was followed, and what was measured has moved in W.
+  void followed(const Correction& correction, const Pose& robot,
+                std::shared_ptr<const PlaceMoves> how);
   /// From now on frame() is never null: somebody may correct.
   void expect();
   /// Null: nobody has corrected, and nobody is expected to.
@@ -122,6 +142,7 @@ class Corrections {
 
  private:
   std::string objection(const Correction& correction, const Pose& robot) const;
+  static void take_into(MapFrame& next, const Correction& correction, const Pose& robot);
 
   std::shared_ptr<const MapFrame> frame_;
 };

@@ -11,7 +11,8 @@
 namespace prospect {
 namespace {
 
-constexpr double kNeverSeen = -1.0;
+constexpr double kNeverSeen = -std::numeric_limits<double>::infinity();
+constexpr double kNotTold = -1.0;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();  // seen, V_c not known
 
 }  // namespace
@@ -33,6 +34,7 @@ void SurfaceDrift::update(const Belief& belief, const RobotDescription& robot) {
     in_view_ = Grid<std::uint32_t>(variance_seen_.frame, 0);
   }
 
+  take_told();
   ++updates_;
   for (const DepthSensor& sensor : robot.depth_sensors()) {
     visit_ground_in_view(ground, belief.pose, sensor, [this](Cell c) {
@@ -41,6 +43,42 @@ void SurfaceDrift::update(const Belief& belief, const RobotDescription& robot) {
       in_view_[c] = updates_;
     });
   }
+}
+
+void SurfaceDrift::follow(const PlaceMoves& moves) {
+  // As it is in the map and the covariance of the last update.
+  Grid<double> now(variance_seen_.frame, kNotTold);
+  for (int n = 0; n < now.frame.size(); ++n) {
+    const Cell c = now.frame.at(n);
+    if (variance_seen_[c] == kNeverSeen) continue;
+    const double off = sigma(c);
+    now[c] = off * off;
+  }
+  told_ = moved(now, moves, kNotTold);
+  constexpr int kTogether = 8;  // cells along an edge that are told alike
+  const GridFrame blocks = frame_of_blocks(told_.frame, kTogether);
+  for (int n = 0; told_.frame.size() > 0 && n < blocks.size(); ++n) {
+    const Cell block = blocks.at(n);
+    const double variance = moves.variance(blocks.center(block));
+    if (variance < 0.0) continue;
+    for (int j = kTogether * block.j; j < kTogether * (block.j + 1); ++j) {
+      for (int i = kTogether * block.i; i < kTogether * (block.i + 1); ++i) {
+        if (told_.frame.contains({i, j}) && told_[{i, j}] >= 0.0) told_[{i, j}] = variance;
+      }
+    }
+  }
+  variance_seen_ = moved(variance_seen_, moves, kNeverSeen);
+  in_view_ = moved(in_view_, moves, std::uint32_t{0});
+}
+
+/// What was told of places, in terms of the covariance of now.
+void SurfaceDrift::take_told() {
+  for (int n = 0; n < told_.frame.size(); ++n) {
+    const Cell c = told_.frame.at(n);
+    if (told_[c] < 0.0 || !variance_seen_.frame.contains(c)) continue;
+    variance_seen_[c] = bounded_ && std::isfinite(told_[c]) ? variance(c) - told_[c] : kInfinity;
+  }
+  told_ = {};
 }
 
 // By what was seen, not by the map: that may be far larger.

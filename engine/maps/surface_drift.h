@@ -6,6 +6,7 @@
 
 #include "engine/maps/belief.h"
 #include "engine/maps/grid.h"
+#include "engine/maps/place_moves.h"
 #include "models/robot_description.h"
 
 namespace prospect {
@@ -42,6 +43,9 @@ class SurfaceDrift {
  public:
   /// The belief's maps are non-null, its pose finite.
   void update(const Belief& belief, const RobotDescription& robot);
+  /// What was measured has moved in W (correction.h): a cell knows from now on what that knew which
+  /// is there now; and how far that may be off is told, or stays as it was.
+  void follow(const PlaceMoves& moves);
 
   /// sigma [m] of what is in a cell, or of there being nothing, at the last update; may be
   /// infinite.
@@ -54,10 +58,12 @@ class SurfaceDrift {
  private:
   double variance(Cell c) const;  // V_c now [m^2]
   void cover(Cell c);
+  void take_told();
 
   std::shared_ptr<const GroundMap> ground_;
   GridFrame map_frame_;          // what is kept is within
   Grid<double> variance_seen_;   // V_c when last in view; see surface_drift.cc
+  Grid<double> told_;            // sigma^2 [m^2] at the next update; negative: not told
   Grid<std::uint32_t> in_view_;  // the update at which a cell was last in view
   std::uint32_t updates_ = 0;
   bool bounded_ = true;                                   // the covariance is one

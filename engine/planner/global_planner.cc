@@ -56,6 +56,16 @@ void GlobalPlanner::follow(const FrontierPlannerOptions& options, const Task& ta
   goal_planner_->follow(zones, goal, std::nullopt);
 }
 
+void GlobalPlanner::follow(const PlaceMoves& moves) {
+  frontier_planner_.follow(moves);
+  if (start_) start_ = moves.now(*start_);
+  if (!goal_planner_ || task_.kind != TaskKind::kReturn) return;
+  Goal goal = goal_planner_->goal();
+  goal.position = start_->position.head<2>();
+  goal.yaw = start_->yaw;
+  goal_planner_->follow(known_.zones, goal, std::nullopt);
+}
+
 std::optional<Goal> GlobalPlanner::goal() const {
   return goal_planner_ ? std::optional(goal_planner_->goal()) : std::nullopt;
 }

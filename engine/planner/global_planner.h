@@ -47,6 +47,8 @@ class GlobalPlanner {
   /// What was told, zones and area in `options` and `task`, lies elsewhere in W from the next step
   /// on: what was learned stays.
   void follow(const FrontierPlannerOptions& options, const Task& task);
+  /// What was measured has moved in W (correction.h), as that of the next step's belief.
+  void follow(const PlaceMoves& moves);
   /// Other zones or another area: what was learned of frontiers is forgotten.
   void restart(const FrontierPlannerOptions& options);
 

@@ -324,7 +324,8 @@ struct Planner::Impl {
   std::optional<Polygon> told_area;  // parameters.frontier_planner.area, in the map's frame
   std::shared_ptr<const MapFrame> map_frame{};  // of the newest belief
   bool told_moved = false;                      // which the global planner does not know yet
-  std::string corrected{};                      // what no plan has told yet
+  std::vector<std::shared_ptr<const PlaceMoves>> moved_places{};  // likewise
+  std::string corrected{};                                        // what no plan has told yet
   PlanCertifier certifier;
   GlobalPlanner global_planner;
   WorkerThreads workers;
@@ -474,6 +475,7 @@ bool Planner::Impl::update_whole_map(const Belief& given, std::shared_ptr<const 
                      stamp = given.stamp - clock.away()](const PausePoint& pause) {
     attended = true;
     of_frontiers = parameters.task.kind == TaskKind::kExplore;
+    for (const auto& moves : std::exchange(moved_places, {})) global_planner.follow(*moves);
     if (std::exchange(told_moved, false)) {
       global_planner.follow(parameters.frontier_planner, told);
     }
@@ -826,6 +828,13 @@ void Planner::Impl::follow(const Belief& belief) {
   }
   if (now.refused + now.cannot_follow > then.refused + then.cannot_follow) {
     corrected += " Note: " + now.refusal + '.';
+  }
+  for (const MovedPlaces& moved : now.moved_places) {
+    if (moved.taken <= then.taken) continue;
+    drift.follow(*moved.how);
+    monitors.follow(*moved.how);
+    moved_places.push_back(moved.how);
+    prepared = false;
   }
   if (now.origin.position == then.origin.position && now.origin.yaw == then.origin.yaw) return;
   move_told();

@@ -15,6 +15,10 @@ void RetreatTrail::note(const Eigen::Vector2d& position, int tracked, double spa
   tracked_ = tracked;
 }
 
+void RetreatTrail::follow(const PlaceMoves& moves) {
+  for (Eigen::Vector2d& place : places_) place = moves.now(place);
+}
+
 std::shared_ptr<const CostToGo> RetreatTrail::cost_to_go(const Traversability& traversability,
                                                          const Eigen::Vector2d& robot, double v_max,
                                                          double away, double reach) const {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "engine/frontiers/cost_to_go.h"
+#include "engine/maps/place_moves.h"
 #include "engine/maps/traversability.h"
 #include "models/types.h"
 
@@ -20,6 +21,8 @@ class RetreatTrail {
 
   /// Notes a place and how many features were tracked there, at most one each `spacing` [m].
   void note(const Eigen::Vector2d& position, int tracked, double spacing = 0.3);
+  /// What was measured has moved in W (correction.h).
+  void follow(const PlaceMoves& moves);
   const std::vector<Eigen::Vector2d>& places() const { return places_; }
   /// Features tracked at the newest place; 0 without one.
   int tracked_at_newest() const { return tracked_; }

@@ -46,4 +46,9 @@ bool StepMonitors::update_stuck(const Belief& belief, bool pursues) {
   return stuck_.update(belief.stamp, belief.pose.position.head<2>(), !lost && pursues);
 }
 
+void StepMonitors::follow(const PlaceMoves& moves) {
+  trail_.follow(moves);
+  if (began_at_) began_at_ = moves.now(*began_at_);
+}
+
 }  // namespace prospect

@@ -8,6 +8,7 @@
 #include "engine/behaviour/monitors/localization_monitor.h"
 #include "engine/behaviour/monitors/stuck_monitor.h"
 #include "engine/maps/belief.h"
+#include "engine/maps/place_moves.h"
 #include "engine/planner/retreat.h"
 #include "engine/planner/task_clock.h"
 
@@ -32,6 +33,9 @@ class StepMonitors {
 
   /// Facts::stuck; pursues: the robot tries to reach its target in this step.
   bool update_stuck(const Belief& belief, bool pursues);
+
+  /// What was measured has moved in W (correction.h).
+  void follow(const PlaceMoves& moves);
 
   /// The direction in W in which the robot does not get on, noticed in this step: it turns away.
   const std::optional<Eigen::Vector2d>& blocked() const { return blocked_; }

@@ -17,6 +17,8 @@
 
 #include "models/knobs.h"
 #include "models/parameter_check.h"
+#include "perception/mapping/evidence_table.h"
+#include "perception/mapping/map_evidence.h"
 
 namespace prospect {
 namespace {
@@ -171,6 +173,8 @@ struct OccupancyMapper::Impl {
   std::vector<std::unique_ptr<Columns>> columns;
   std::vector<std::pair<std::uint32_t, int>> changed_cells;
   std::uint64_t surface = 0;
+  MapEvidence* evidence = nullptr;  // what is entered is written down here
+  EvidenceTable* table = nullptr;
 
   struct Mirror {
     std::shared_ptr<octomap::OcTree> octree;
@@ -204,6 +208,8 @@ struct OccupancyMapper::Impl {
   Brick& brick(int bx, int by, int bz);
   std::uint32_t column_block(int bx, int by);
   void set_value(Brick& b, std::uint32_t index, int m, std::uint32_t column, float value);
+  /// Writes down that voxel m of a brick was told to have a value.
+  void write_told(int bx, int by, int bz, int m, float value);
   void flush_ground();
   GroundMap& writable_ground();
   Walk begin_walk(const Eigen::Vector3d& from, const Eigen::Vector3d& to, bool include_end) const;
@@ -320,6 +326,17 @@ void OccupancyMapper::Impl::set_value(Brick& b, std::uint32_t index, int m, std:
     c.changed[cell] = true;
     changed_cells.emplace_back(column, cell);
   }
+}
+
+void OccupancyMapper::Impl::write_told(int bx, int by, int bz, int m, float value) {
+  if (evidence == nullptr) return;
+  const int x = compact(m), y = compact(m >> 1), z = compact(m >> 2);
+  evidence->brick({bx, by, bz}).states[static_cast<std::size_t>(MapEvidence::voxel(x, y, z))] =
+      table->told(value);
+  if (value < threshold) return;
+  const Eigen::Vector3d at(kBrick * bx + x, kBrick * by + y, kBrick * bz + z);
+  evidence->add_hit(at + Eigen::Vector3d::Constant(0.5), kBrick * bx + x, kBrick * by + y,
+                    kBrick * bz + z);
 }
 
 void OccupancyMapper::Impl::flush_ground() {
@@ -468,6 +485,7 @@ void OccupancyMapper::Impl::apply_marks() {
     for (int y = 0; y < size[1]; y += kBrick) {
       for (int z = 0; z < size[2]; z += kBrick) {
         Brick* b = nullptr;
+        MapEvidence::Brick* written = nullptr;
         std::uint32_t index = 0;
         std::uint32_t column = 0;
         for (int dx = 0; dx < kBrick; ++dx) {
@@ -484,6 +502,7 @@ void OccupancyMapper::Impl::apply_marks() {
               const int bx = (box[0] + x) / kBrick, by = (box[1] + y) / kBrick,
                         bz = (box[2] + z) / kBrick;  // exact: multiples of eight
               b = &brick(bx, by, bz);
+              written = evidence != nullptr ? &evidence->brick({bx, by, bz}) : nullptr;
               index = brick_at.find(pack(bx, by, bz))->second;
               column = column_block(bx, by);
             }
@@ -492,6 +511,13 @@ void OccupancyMapper::Impl::apply_marks() {
               const int k = box[2] + z + dz;
               if (k < k_low || k >= k_end) continue;
               const int m = morton(dx, dy, dz);
+              if (written != nullptr) {
+                EvidenceTable::State& s =
+                    written->states[static_cast<std::size_t>(MapEvidence::voxel(dx, dy, dz))];
+                s = (run[dz] & kEndedIn) != 0  ? table->after_hit(s)
+                    : (run[dz] & kPassed) != 0 ? table->after_miss(s)
+                                               : table->after_graze(s);
+              }
               const bool known = ((b->known[m >> 6] >> (m & 63)) & 1U) != 0;
               if (known && run[dz] == kGrazed) continue;
               const float before = known ? b->log_odds[m] : 0.0F;
@@ -650,6 +676,34 @@ OccupancyMapper& OccupancyMapper::operator=(OccupancyMapper&&) noexcept = defaul
 const OccupancyMapperOptions& OccupancyMapper::options() const { return impl_->options; }
 std::uint64_t OccupancyMapper::surface_voxels() const { return impl_->surface; }
 
+void OccupancyMapper::record(MapEvidence* evidence, EvidenceTable* table) {
+  impl_->evidence = table != nullptr ? evidence : nullptr;
+  impl_->table = table;
+}
+
+void OccupancyMapper::enter(const MapEvidence& evidence, const EvidenceTable& table) {
+  Impl& m = *impl_;
+  constexpr int kMost = kMaxAddress / kBrick;
+  for (const auto& [at, said] : evidence.bricks()) {
+    if (std::abs(at[0]) > kMost || std::abs(at[1]) > kMost) continue;
+    const int k = at[2] * kBrick;
+    if (k + kBrick <= m.k_low || k >= m.k_end) continue;
+    Brick& b = m.brick(at[0], at[1], at[2]);
+    const std::uint32_t index = m.brick_at.find(pack(at[0], at[1], at[2]))->second;
+    const std::uint32_t column = m.column_block(at[0], at[1]);
+    for (int n = 0; n < kBrickVoxels; ++n) {
+      const EvidenceTable::State s = said.states[static_cast<std::size_t>(n)];
+      const int z = n % kBrick;
+      if (s == EvidenceTable::kNothing || k + z < m.k_low || k + z >= m.k_end) continue;
+      const int v = morton(n / (kBrick * kBrick), n / kBrick % kBrick, z);
+      const bool known = ((b.known[v >> 6] >> (v & 63)) & 1U) != 0;
+      m.set_value(b, index, v, column,
+                  known ? table.of_known(s, b.log_odds[v]) : table.of_unknown(s));
+    }
+  }
+  m.flush_ground();
+}
+
 void OccupancyMapper::insert(const DepthScan& scan) {
   Impl& m = *impl_;
   const double r = m.options.resolution;
@@ -706,6 +760,7 @@ void OccupancyMapper::insert(const DepthScan& scan) {
                static_cast<std::size_t>(voxel[1] - m.box[1])) *
                   static_cast<std::size_t>(m.size[2]) +
               static_cast<std::size_t>(voxel[2] - m.box[2])] |= kEndedIn;
+      if (m.evidence != nullptr) m.evidence->add_hit(end / r, voxel[0], voxel[1], voxel[2]);
     }
   }
   for (const Eigen::Vector3d& point : scan.misses) {
@@ -743,6 +798,7 @@ void OccupancyMapper::clear_cylinder(const Eigen::Vector3d& base, double radius,
         if (known && b.log_odds[v] >= m.threshold) continue;
         m.set_value(b, m.brick_at.find(pack(bx, by, bz))->second, v, m.column_block(bx, by),
                     m.lowest);
+        m.write_told(bx, by, bz, v, m.lowest);
       }
     }
   }
@@ -777,6 +833,7 @@ void OccupancyMapper::load(const octomap::OcTree& map) {
           const bool seen = (b.surface[v >> 6] & bit) != 0;
           m.set_value(b, m.brick_at.find(pack(bx, by, bz))->second, v, m.column_block(bx, by),
                       value);
+          m.write_told(bx, by, bz, v, value);
           if (!seen) b.surface[v >> 6] &= ~bit;
         }
       }

@@ -18,7 +18,9 @@ class OcTree;
 
 namespace prospect {
 
+class EvidenceTable;
 class Knobs;
+class MapEvidence;
 
 /// One depth image as rays from one origin, in the frame of the pose estimate [m].
 /// Pixels without a valid measurement appear in neither list: they say nothing.
@@ -116,6 +118,12 @@ class OccupancyMapper {
   OccupancyMapper& operator=(OccupancyMapper&&) noexcept;
 
   const OccupancyMapperOptions& options() const;
+
+  /// From now on what is entered is written down here, too; null: nowhere. Both must outlive this.
+  void record(MapEvidence* evidence, EvidenceTable* table);
+  /// Enters what scans have said, in the lattice of this map: what those scans would have made of
+  /// it, but for the rounding of the table. Not written down.
+  void enter(const MapEvidence& evidence, const EvidenceTable& table);
 
   /// Enters one scan. Cost: rays x voxels per ray, plus the voxels whose value changes.
   void insert(const DepthScan& scan);

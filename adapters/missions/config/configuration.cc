@@ -228,17 +228,21 @@ std::vector<std::string> read_planner(YamlMap map, const Registries& registries,
 
 void read_corrections(YamlMap map, std::vector<ScheduledCorrection>& corrections) {
   constexpr double kMost = 1e9;  // what cannot be is refused as it would be by a robot
-  const std::vector<double> told =
-      map.numbers("corrections", {}, -1, -kMost, kMost, "s, m, m, deg",
-                  "of the map's frame: time, x, y, yaw of each in turn");
-  if (told.size() % 4 != 0) {
-    map.problem("corrections",
-                std::to_string(told.size()) + " numbers; expected time, x, y and yaw of each");
-    return;
-  }
-  for (std::size_t i = 0; i < told.size(); i += 4) {
-    corrections.push_back({told[i], told[i + 1], told[i + 2], kRadiansPerDegree * told[i + 3]});
-  }
+  const auto read = [&](const char* key, const char* what, CorrectionKind kind) {
+    const std::vector<double> told = map.numbers(key, {}, -1, -kMost, kMost, "s, m, m, deg", what);
+    if (told.size() % 4 != 0) {
+      map.problem(key,
+                  std::to_string(told.size()) + " numbers; expected time, x, y and yaw of each");
+      return;
+    }
+    for (std::size_t i = 0; i < told.size(); i += 4) {
+      corrections.push_back(
+          {told[i], told[i + 1], told[i + 2], kRadiansPerDegree * told[i + 3], kind});
+    }
+  };
+  read("corrections", "of the map's frame: time, x, y, yaw of each in turn", CorrectionKind::kMap);
+  read("robot_corrections", "likewise of the robot's place in what it has drawn",
+       CorrectionKind::kRobot);
   std::stable_sort(corrections.begin(), corrections.end(),
                    [](const auto& a, const auto& b) { return a.time < b.time; });
 }

@@ -100,6 +100,23 @@ MapChanges changes_of(const GroundMap* before, const GroundMap& now) {
   return changes;
 }
 
+constexpr std::size_t kOfMove = 6;  // numbers
+
+/// Those of corrections since that one; false: none.
+bool add_moves(PlannerCall& call, const MapFrame& frame, int since) {
+  for (const MovedPlaces& moved : frame.moved_places) {
+    if (moved.taken <= since) continue;
+    const std::vector<PlaceMoves::Known>& known = moved.how->known();
+    call.moved_places.push_back(static_cast<double>(known.size()));
+    for (const PlaceMoves::Known& k : known) {
+      call.moved_places.insert(
+          call.moved_places.end(),
+          {k.before.x(), k.before.y(), k.move.shift.x(), k.move.shift.y(), k.move.yaw, k.variance});
+    }
+  }
+  return !call.moved_places.empty();
+}
+
 void add_landmarks(PlannerCall& call, const LandmarkMap* before, const LandmarkMap& now) {
   const OdometryNoise noise = now.odometry_noise.value_or(OdometryNoise());
   call.landmark_map = {now.feature_density,
@@ -202,9 +219,11 @@ std::uint64_t plan_hash(const Plan& plan) {
 
 std::optional<PlannerCall> PlannerCallWriter::map_frame(const Belief& belief) {
   const Pose before = origin_of(map_frame_.get()), now = origin_of(belief.map_frame.get());
+  const int taken = map_frame_ ? map_frame_->taken : 0;
   map_frame_ = belief.map_frame;
-  if (before.position == now.position && before.yaw == now.yaw) return std::nullopt;
   PlannerCall call;
+  const bool moves = map_frame_ && add_moves(call, *map_frame_, taken);
+  if (!moves && before.position == now.position && before.yaw == now.yaw) return std::nullopt;
   call.sequence = sequence_++;
   call.kind = PlannerCall::kMapFrame;
   call.pose = {now.position.x(), now.position.y(), now.position.z(), now.yaw};
@@ -281,10 +300,24 @@ PlannerCall PlannerCallWriter::belief_call(PlannerCall::Kind kind, const Belief&
   return call;
 }
 
-void PlannerCallReader::take_map_frame(const PlannerCall& call) {
+void PlannerCallReader::take_map_frame(const PlannerCall& call, const std::string& said) {
   MapFrame frame;
   frame.origin = {{call.pose[0], call.pose[1], call.pose[2]}, call.pose[3]};
   frame.taken = map_frame_ ? map_frame_->taken + 1 : 1;
+  const std::vector<double>& told = call.moved_places;
+  for (std::size_t n = 0; n < told.size();) {
+    const double count = told[n++];
+    if (!(count >= 0.0 && count <= static_cast<double>((told.size() - n) / kOfMove))) {
+      damaged(said, "moves of places that are not there");
+    }
+    std::vector<PlaceMoves::Known> known;
+    for (auto left = static_cast<std::size_t>(count); left > 0; --left, n += kOfMove) {
+      known.push_back(
+          {{told[n], told[n + 1]}, {{told[n + 2], told[n + 3]}, told[n + 4]}, told[n + 5]});
+    }
+    frame.moved_places.push_back(
+        {frame.taken, std::make_shared<const PlaceMoves>(std::move(known))});
+  }
   map_frame_ = std::make_shared<const MapFrame>(std::move(frame));
 }
 

@@ -77,6 +77,10 @@ struct PlannerCall {
   std::array<double, 5> goal{};  ///< x, y, yaw, tolerances of both
   bool has_goal_yaw = false;
 
+  /// kMapFrame: how places have moved in W, for each correction that moved some (place_moves.h):
+  /// how many are known, then x, y, the move's x, y, yaw and the variance of each.
+  std::vector<double> moved_places{};
+
   template <class Message, class Visit>
   static void fields(Message& m, Visit&& visit) {
     visit("sequence", m.sequence);
@@ -107,6 +111,7 @@ struct PlannerCall {
     visit("area", m.area);
     visit("goal", m.goal);
     visit("has_goal_yaw", m.has_goal_yaw);
+    visit("moved_places", m.moved_places);
   }
 };
 
@@ -140,7 +145,7 @@ class PlannerCallWriter {
 class PlannerCallReader {
  public:
   /// Of kMapFrame.
-  void take_map_frame(const PlannerCall& call);
+  void take_map_frame(const PlannerCall& call, const std::string& said);
   /// Of kPrepare and kPlan. All messages are to be read, in their order. Throws InputError, which
   /// begins with `said`, for one that does not fit those before.
   Belief belief(const PlannerCall& call, const std::string& said);

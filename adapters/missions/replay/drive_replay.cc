@@ -130,7 +130,7 @@ class PlannerAskedAgain final : public RunObserver {
         planner_.set_task(task_of(call, said));
         break;
       case PlannerCall::kMapFrame:
-        reader_.take_map_frame(call);
+        reader_.take_map_frame(call, said);
         break;
       default:
         fail(said, "is of kind " + std::to_string(call.kind) + "; expected 0 to 4");

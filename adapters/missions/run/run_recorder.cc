@@ -21,7 +21,9 @@ namespace {
 /// Cells whose state differs from what was last recorded.
 class MapChanges {
  public:
-  std::vector<std::pair<Cell, CellState>> since_last(const GroundMap& ground) {
+  /// anew: a map that has taken the place of another one, whose revisions say nothing of this.
+  std::vector<std::pair<Cell, CellState>> since_last(const GroundMap& ground, bool anew) {
+    if (anew) revision_ = 0;
     std::vector<std::pair<Cell, CellState>> changes;
     const GridFrame& frame = ground.frame();
     if (!(frame == shown_.frame)) {
@@ -34,7 +36,7 @@ class MapChanges {
     }
     for (int ty = 0; ty < ground.tiles_y(); ++ty) {
       for (int tx = 0; tx < ground.tiles_x(); ++tx) {
-        if (ground.tile_revision(tx, ty) <= revision_) continue;
+        if (!anew && ground.tile_revision(tx, ty) <= revision_) continue;
         const GridFrame tile = ground.tile_frame(tx, ty);
         for (int i = 0; i < tile.size(); ++i) {
           const Cell c = tile.at(i);
@@ -228,6 +230,7 @@ struct RunRecorder::Impl {
   SparsePlans plans;
   std::vector<StepRecord> steps;
   int corrections = 0;  // up to the step before
+  int moved = 0;        // newest correction that moved what was measured
 
   StepRecord record_of(const MissionStep& step);
   void add(const MissionStep& step);
@@ -288,6 +291,7 @@ StepRecord RunRecorder::Impl::record_of(const MissionStep& step) {
   r.certificate = plan.certified ? plan.certificate : plan.detail;
   r.guard_stops = step.guard_stops;
   if (step.guard_stops > 0) r.guard_reason = step.guard_reason;
+  int newest_move = 0;
   if (const MapFrame* frame = belief.map_frame.get()) {
     r.map_frame =
         MapFrameRecord{frame->origin, frame->taken, frame->refused + frame->cannot_follow};
@@ -297,6 +301,7 @@ StepRecord RunRecorder::Impl::record_of(const MissionStep& step) {
       r.map_frame->why = frame->newest->why;
     }
     corrections = frame->taken;
+    newest_move = frame->moved_places.empty() ? 0 : frame->moved_places.back().taken;
   }
   r.wall = {plan.times.total, plan.times.frontier_planner, plan.times.clearance, plan.times.views,
             plan.times.seeds, plan.times.polish,           plan.times.certify};
@@ -337,7 +342,8 @@ StepRecord RunRecorder::Impl::record_of(const MissionStep& step) {
                              static_cast<float>(considered.visibility)});
     }
   }
-  r.map_changes = map_changes.since_last(*belief.ground);
+  r.map_changes =
+      map_changes.since_last(*belief.ground, std::exchange(moved, newest_move) != newest_move);
   return r;
 }
 

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "adapters/formats/worlds/world.h"
@@ -29,6 +30,7 @@ class FeatureSensors final : public SimulatedSensors {
   FeatureSensors(const World& world, const SimulatorOptions& options,
                  const PerceptionOptions& perception, const Pose& start,
                  const std::vector<Disc>& known_free);
+  ~FeatureSensors() override;
 
   void image(double stamp, const Pose& true_pose, const Twist& twist) override;
   void scan(double stamp, const Pose& true_pose, SeenArea& seen) override;
@@ -38,8 +40,17 @@ class FeatureSensors final : public SimulatedSensors {
   Pose estimate(double stamp, const Pose& true_pose) const override;
   Localization localization() const override { return odometry_.localization(); }
   int losses() const override { return odometry_.losses(); }
+  std::vector<Followed> followed() override;
+  bool move_robot(const Correction& correction, const Pose& true_pose) override;
+  PlanarMove origin() const override;
 
  private:
+  struct Loops;
+  /// From here on what is seen belongs to another anchor; parent: see AnchoredMap::begin().
+  void begin_anchor(const Pose& true_pose, std::optional<int> parent = std::nullopt);
+  void keep_straight(double stamp, const Pose& true_pose);
+  /// Of the estimate's error in (x, y, z, yaw), with what loops have taken back of it.
+  Eigen::Matrix4d covariance(const Pose& true_pose) const;
   void find_place_again(const Pose& pose, const std::vector<FeatureObservation>& observations);
 
   StereoCamera stereo_;
@@ -49,7 +60,8 @@ class FeatureSensors final : public SimulatedSensors {
   FeatureCamera camera_;
   OdometryModel odometry_;
   LandmarkBuilder landmarks_;
-  OccupancyMapper mapper_;
+  std::shared_ptr<OccupancyMapper> mapper_;
+  std::unique_ptr<Loops> loops_;  // null: the map is as it was drawn
 
   std::vector<double> scan_stamps_;              // [s], of each depth sensor
   double scan_stamp_ = 0.0, image_stamp_ = 0.0;  // [s], of the newest

@@ -25,7 +25,7 @@ LandmarkBuilder::LandmarkBuilder(const LandmarkBuilderOptions& options,
 
 void LandmarkBuilder::update(const std::vector<FeatureObservation>& observations,
                              const Pose& estimated_pose, const VoxelGrid& voxels,
-                             double surface_area) {
+                             double surface_area, int anchor) {
   if (map_.use_count() != 1) map_ = std::make_shared<LandmarkMap>(*map_);
   ++keyframe_;
   int new_landmarks = 0;
@@ -89,6 +89,7 @@ void LandmarkBuilder::update(const std::vector<FeatureObservation>& observations
     if (anew || covariance.trace() < 0.5 * landmark.covariance.trace()) {
       landmark.position = position;
       landmark.covariance = covariance;
+      s.anchor = anchor;
     }
     if (anew) {
       const Eigen::Vector3d to_eye = eye - position;
@@ -108,6 +109,21 @@ void LandmarkBuilder::update(const std::vector<FeatureObservation>& observations
   density_.add(new_landmarks, surface_area);
   map_->feature_density = density_.value();
   cull();
+}
+
+void LandmarkBuilder::follow(const std::vector<PlanarMove>& anchors) {
+  if (map_.use_count() > 1) map_ = std::make_shared<LandmarkMap>(*map_);
+  for (std::size_t n = 0; n < map_->landmarks.size(); ++n) {
+    const auto anchor = static_cast<std::size_t>(statistics_[n].anchor);
+    if (anchor >= anchors.size()) continue;
+    const PlanarMove& move = anchors[anchor];
+    const Eigen::Matrix3d R =
+        Eigen::AngleAxisd(move.yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+    Landmark& landmark = map_->landmarks[n];
+    landmark.position = move(landmark.position);
+    landmark.covariance = R * landmark.covariance * R.transpose();
+    landmark.creation_direction = R * landmark.creation_direction;
+  }
 }
 
 void LandmarkBuilder::cull() {

@@ -7,6 +7,7 @@
 
 #include "adapters/robots/simulator/feature_camera.h"
 #include "engine/maps/landmark_map.h"
+#include "engine/maps/planar_move.h"
 #include "engine/maps/voxel_grid.h"
 #include "models/camera.h"
 #include "models/types.h"
@@ -47,8 +48,12 @@ class LandmarkBuilder {
                   const CameraMount& mount);
 
   /// One keyframe, taken at an estimated pose. surface_area [m^2]: all surface mapped so far.
+  /// anchor: of the map (anchored_map.h), from which it is seen.
   void update(const std::vector<FeatureObservation>& observations, const Pose& estimated_pose,
-              const VoxelGrid& voxels, double surface_area);
+              const VoxelGrid& voxels, double surface_area, int anchor = 0);
+
+  /// What was seen from each anchor has moved so in W.
+  void follow(const std::vector<PlanarMove>& anchors);
 
   /// The landmark of a feature, or null; valid until the next update.
   const Landmark* find(std::uint64_t id) const {
@@ -64,6 +69,7 @@ class LandmarkBuilder {
     int expected = 0;
     int tracked = 0;
     std::uint64_t last_seen = 0;  // keyframe
+    int anchor = 0;               // that its place was measured from
   };
   void cull();
 

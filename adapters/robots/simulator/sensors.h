@@ -6,6 +6,9 @@
 
 #include "adapters/robots/simulator/seen_area.h"
 #include "engine/maps/belief.h"
+#include "engine/maps/correction.h"
+#include "engine/maps/place_moves.h"
+#include "engine/maps/planar_move.h"
 #include "models/types.h"
 #include "runtime/camera_picture.h"
 #include "runtime/frame_sink.h"
@@ -41,6 +44,19 @@ class SimulatedSensors {
   virtual Pose estimate(double stamp, const Pose& true_pose) const = 0;
   virtual Localization localization() const = 0;
   virtual int losses() const = 0;  ///< how often localization was lost
+  /// What they have corrected of what they drew (correction.h) since the last call: of kAnchors, in
+  /// order, and followed in all beliefs from now on.
+  struct Followed {
+    Correction correction;
+    std::shared_ptr<const PlaceMoves> moves;
+  };
+  virtual std::vector<Followed> followed() { return {}; }
+  /// Somebody corrects the robot's place in what it has drawn (kRobot): false, if it cannot move.
+  virtual bool move_robot(const Correction& /*correction*/, const Pose& /*true_pose*/) {
+    return false;
+  }
+  /// Where W lies in the frame of the start by these.
+  virtual PlanarMove origin() const { return {}; }
   /// Why the sensors cannot be trusted, e.g. a calibration that is wrong; empty: nothing is known
   /// against them.
   virtual std::string complaint() const { return {}; }

@@ -76,7 +76,7 @@ struct Simulator::Impl {
     } else {
       sensors = std::make_unique<FeatureSensors>(*world, o, perception, robot.pose(), cleared);
     }
-    if (!o.corrections.empty()) corrections.expect();
+    if (!o.corrections.empty() || o.loops) corrections.expect();
     if (o.map) seen.know(*sensors->belief(time, robot.pose(), twist)->ground);
     scan();
     image();
@@ -93,7 +93,20 @@ struct Simulator::Impl {
       correction.stamp = told.time;
       correction.T_new_old = body_transform({{told.x, told.y, 0.0}, told.yaw});
       correction.why = "as the mission was told";
-      corrections.take(correction, sensors->estimate(time, robot.pose()));
+      correction.kind = told.kind;
+      const Pose estimated = sensors->estimate(time, robot.pose());
+      if (told.kind != CorrectionKind::kRobot) {
+        corrections.take(correction, estimated);
+      } else if (corrections.refuse(correction, estimated).empty() &&
+                 !sensors->move_robot(correction, robot.pose())) {
+        corrections.take(correction, estimated);  // cannot be followed
+      }
+    }
+  }
+  void follow() {
+    const Pose estimated = sensors->estimate(time, robot.pose());
+    for (SimulatedSensors::Followed& f : sensors->followed()) {
+      corrections.followed(f.correction, estimated, std::move(f.moves));
     }
   }
   void scan() {
@@ -116,6 +129,7 @@ Simulator::~Simulator() = default;
 std::shared_ptr<const Belief> Simulator::sense() {
   Impl& s = *impl_;
   s.correct();
+  s.follow();
   std::shared_ptr<const Belief> belief = s.sensors->belief(s.time, s.robot.pose(), s.twist);
   if (!s.corrections.frame()) return belief;
   auto corrected = std::make_shared<Belief>(*belief);
@@ -160,7 +174,8 @@ Pose Simulator::estimated_pose() const {
   return impl_->sensors->estimate(impl_->time, impl_->robot.pose());
 }
 double Simulator::localization_error() const {
-  return (estimated_pose().position - true_pose().position).head<2>().norm();
+  const Pose estimated = impl_->sensors->origin()(estimated_pose());
+  return (estimated.position - true_pose().position).head<2>().norm();
 }
 int Simulator::collisions() const { return impl_->robot.collisions(); }
 bool Simulator::in_contact() const { return impl_->robot.in_contact(); }

@@ -126,6 +126,10 @@ PerceptionOptions simulated_perception(const WheelNoise& wheels) {
 void describe(Knobs& knobs, SimulatorOptions& o) {
   knobs.choice("sensors", o.sensors, {"model", "camera"},
                "odometry as a model of its errors, or rendered images through perception");
+  knobs.boolean("loops", o.loops, "places that are seen again keep the map straight");
+  knobs.require(
+      !o.loops || o.sensors == Sensors::kModel, "loops",
+      "true with sensors: camera; expected false: what is seen by images is not recognised");
   knobs.number("depth_rate", o.depth_rate, {0.1, 1000.0}, "1/s", "depth images");
   knobs.number("image_rate", o.image_rate, {0.1, 1000.0}, "1/s", "stereo images");
   knobs.group("actuation", [&] { describe(knobs, o.actuation); });

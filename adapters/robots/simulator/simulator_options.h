@@ -12,6 +12,7 @@
 #include "adapters/robots/simulator/kinematic_robot.h"
 #include "adapters/robots/simulator/landmark_builder.h"
 #include "adapters/robots/simulator/odometry_model.h"
+#include "engine/maps/correction.h"
 #include "models/camera.h"
 #include "models/robot_description.h"
 #include "models/robot_shape.h"
@@ -59,6 +60,7 @@ PerceptionOptions simulated_perception(const WheelNoise& wheels = kSimulatedWhee
 /// was at p is at R(yaw) p + (x, y) [m], [rad] then.
 struct ScheduledCorrection {
   double time = 0.0, x = 0.0, y = 0.0, yaw = 0.0;
+  CorrectionKind kind = CorrectionKind::kMap;  ///< kRobot: of its place in what it has drawn, in W
 };
 
 /// Everything a simulated mission depends on besides its world, the robot's perception and the
@@ -91,6 +93,8 @@ struct SimulatorOptions {
 
   CameraSensorsOptions camera;
   std::vector<ScheduledCorrection> corrections{};  ///< by time
+  /// Places that are seen again keep the map straight (map_loops.h). Of Sensors::kModel.
+  bool loops = false;
 };
 
 /// The knobs (models/knobs.h): all that does not come from the robot, the world or the command

@@ -4,8 +4,11 @@
 
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <random>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "models/body_transform.h"
 
@@ -100,6 +103,46 @@ TEST(Correction, WhatCannotBeIsRefusedWithALineAndChangesNothing) {
   }
   EXPECT_EQ(corrections.frame()->cannot_follow, 2);
   EXPECT_EQ(corrections.frame()->taken, 0);
+}
+
+// W goes on with the robot: what others are told of it moves, and what was measured in W.
+TEST(Correction, OneOfAnchorsThatWasFollowedMovesWInTheMap) {
+  Corrections corrections;
+  EXPECT_EQ(corrections.take(moved_by(1.0, 2.0, 1.0, 0.5), {}).why, "");
+  const Pose robot{{3.0, -1.0, 0.2}, 0.7};
+  const Pose before = corrections.frame()->to_map(robot);
+  Correction c = moved_by(5.0, 0.3, -0.2, 0.1);
+  c.kind = CorrectionKind::kAnchors;
+  EXPECT_EQ(corrections.refuse(c, robot), "");
+  EXPECT_EQ(corrections.frame()->taken, 1);
+  const auto how = std::make_shared<const PlaceMoves>(std::vector<PlaceMoves::Known>{});
+  corrections.followed(c, robot, how);
+  const MapFrame& now = *corrections.frame();
+  EXPECT_EQ(now.taken, 2);
+  ASSERT_EQ(now.moved_places.size(), 1U);
+  EXPECT_EQ(now.moved_places[0].taken, 2);
+  EXPECT_EQ(now.moved_places[0].how, how);
+  // The robot as it is corrected in W, in the map as it was.
+  MapFrame then;
+  then.origin = {{2.0, 1.0, 0.0}, 0.5};
+  const Pose told = then.to_map(planar_move(c.T_new_old)(robot));
+  EXPECT_LT((now.to_map(robot).position - told.position).norm(), 1e-9);
+  EXPECT_NEAR(now.newest->distance, (told.position - before.position).head<2>().norm(), 1e-9);
+  EXPECT_NEAR(now.newest->turn, 0.1, 1e-9);
+  for (int n = 0; n < 20; ++n) {
+    c.stamp += 1.0;
+    corrections.followed(c, robot, how);
+  }
+  EXPECT_EQ(corrections.frame()->moved_places.size(), MapFrame::kMostMoved);
+
+  c.stamp += 1.0;
+  c.anchors = {{3, Eigen::Isometry3d(Eigen::Scaling(2.0))}};
+  EXPECT_NE(corrections.refuse(c, robot).find("moves an anchor by no rotation"), std::string::npos);
+  c = moved_by(c.stamp, 5000.0, 0.0, 0.0);
+  c.kind = CorrectionKind::kRobot;
+  EXPECT_NE(corrections.refuse(c, robot), "");
+  EXPECT_EQ(corrections.frame()->refused, 2);
+  EXPECT_EQ(corrections.frame()->taken, 22);
 }
 
 TEST(Correction, AThousandASecondAreTenASecond) {

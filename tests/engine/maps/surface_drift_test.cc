@@ -56,6 +56,27 @@ TEST(SurfaceDrift, IsTheGrowthOfTheVarianceSinceASurfaceWasInView) {
   EXPECT_NEAR(drift.sigma(kWest), std::sqrt(0.05 - 0.0344), 1e-6);
 }
 
+// What was measured has moved in W: what is known of how far it may be off goes with it.
+TEST(SurfaceDrift, FollowsACorrection) {
+  const ObstacleWorld world = room();
+  const RobotDescription robot;
+  for (const double told : {-1.0, 0.0004}) {
+    SurfaceDrift drift;
+    drift.update(belief_at(world, 0.0, 0.0, 0.0, 0.01), robot);
+    drift.update(belief_at(world, 0.0, 0.0, M_PI, 0.05), robot);
+    ASSERT_NEAR(drift.sigma(kEast), 0.2, 1e-6);
+    const PlanarMove up{Eigen::Vector2d(0.0, 0.3), 0.0};
+    drift.follow(PlaceMoves(std::vector<PlaceMoves::Known>{{Eigen::Vector2d(0.0, 0.0), up, told}}));
+    // The covariance falls at the same belief.
+    drift.update(belief_at(world, 0.0, 0.0, M_PI, 0.002), robot);
+    const double expected = told < 0.0 ? 0.2 : 0.02;
+    EXPECT_NEAR(drift.sigma({19, 3}), expected, 1e-6) << "now there";
+    EXPECT_EQ(drift.sigma(kWest), 0.0) << "in view";
+    drift.update(belief_at(world, 0.0, 0.0, M_PI, 0.0029), robot);
+    EXPECT_NEAR(drift.sigma({19, 3}), std::hypot(expected, 0.03), 1e-6) << "grows on";
+  }
+}
+
 // A map that follows the robot, or is projected anew, must not make all that it holds seem seen.
 TEST(SurfaceDrift, AMapThatShrinksOrMovesKeepsWhatWasSeenWhen) {
   const ObstacleWorld world = room();

@@ -137,11 +137,13 @@ void add_simulator(Text& text, const Configuration& c) {
   text.add_all(o.actuation), text.add_all(o.depth);
   for (const ScheduledCorrection& k : o.corrections) {
     text.add(k.time), text.add(k.x), text.add(k.y), text.add(k.yaw);
+    text.add(static_cast<int>(k.kind));
   }
   text.add_all(mapping_options(o, c.perception.mapping));
   text.add_all(c.perception.feature_density);
   text.add(c.map);
   if (o.sensors == Sensors::kModel) {
+    text.add(o.loops);
     text.add_all(o.odometry), text.add_all(o.features), text.add_all(o.landmarks);
     // What looks for features in the images of a mesh.
     const CameraRigOptions& rig = o.camera.rig;
@@ -248,6 +250,7 @@ std::vector<std::string> other_values(const ConfigEntry& e) {
       {"robot.model", {"multirotor"}},
       {"robot.motion.v_min", {"-3"}},
       {"simulator.corrections", {"[5, 1, 0, 10]"}},
+      {"simulator.robot_corrections", {"[5, 1, 0, 10]"}},
       {"robot.motion.vx_min", {"-3"}},
       {"world.floor", {"1.5"}},
       {"world.start", {"[1, 2, 3]"}},

@@ -143,11 +143,38 @@ TEST_F(DriveReplayTest, WhereWLiesInTheMapIsToldWhenItMoves) {
   belief.map_frame = frame;
   const auto moved = writer.map_frame(belief);
   ASSERT_TRUE(moved);
-  reader.take_map_frame(ros::from_cdr<PlannerCall>(ros::to_cdr(*moved), "call"));
+  reader.take_map_frame(ros::from_cdr<PlannerCall>(ros::to_cdr(*moved), "call"), "call");
   const Belief read = reader.belief(writer.plan(belief), "");
   EXPECT_EQ(read.map_frame->origin.position, frame->origin.position);
   EXPECT_EQ(read.map_frame->origin.yaw, 0.1);
   EXPECT_FALSE(writer.map_frame(belief));
+
+  // What was measured has moved, twice, and the frame has not.
+  auto again = std::make_shared<MapFrame>(*frame);
+  const PlanarMove some{{0.1, -0.2}, 0.3};
+  for (int n = 0; n < 2; ++n) {
+    std::vector<PlaceMoves::Known> known(static_cast<std::size_t>(1 + n),
+                                         {{1.0, n + 0.5}, some, 0.04});
+    again->moved_places.push_back(
+        {++again->taken, std::make_shared<const PlaceMoves>(std::move(known))});
+  }
+  belief.map_frame = again;
+  const auto places = writer.map_frame(belief);
+  ASSERT_TRUE(places);
+  PlannerCall call = ros::from_cdr<PlannerCall>(ros::to_cdr(*places), "call");
+  reader.take_map_frame(call, "call");
+  const auto after = reader.belief(writer.plan(belief), "").map_frame;
+  ASSERT_EQ(after->moved_places.size(), 2U);
+  ASSERT_EQ(after->moved_places[1].how->known().size(), 2U);
+  const PlaceMoves::Known& last = after->moved_places[1].how->known()[1];
+  EXPECT_EQ(last.before, Eigen::Vector2d(1.0, 1.5));
+  EXPECT_EQ(last.move.shift, some.shift);
+  EXPECT_EQ(last.move.yaw, some.yaw);
+  EXPECT_EQ(last.variance, 0.04);
+  EXPECT_GT(after->taken, read.map_frame->taken);
+  EXPECT_FALSE(writer.map_frame(belief));
+  call.moved_places.pop_back();
+  EXPECT_THROW(reader.take_map_frame(call, "call"), InputError);
 }
 
 TEST_F(DriveReplayTest, APlanThatRestsOnOtherThingsDiffers) {

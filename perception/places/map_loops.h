@@ -1,0 +1,93 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <deque>
+#include <map>
+#include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "engine/maps/correction.h"
+#include "engine/maps/planar_move.h"
+#include "perception/graph/pose_graph.h"
+#include "perception/mapping/anchored_map.h"
+#include "perception/places/submap_surface.h"
+
+namespace prospect {
+
+/// Keeps a map straight: aligns anchors that see the same, and corrects the map by what follows for
+/// all.
+///
+/// The anchors of an AnchoredMap are keyframes of a pose graph, joined by what odometry says of the
+/// way from one to the next. An anchor that is closed is aligned (submap_alignment.h) with each
+/// older one that has seen the same by the graph: those whose ways come within kReach of each
+/// other. Each alignment enters the graph as a loop, which judges it (PoseGraph). Where anchors
+/// then lie elsewhere by enough to be followed (AnchoredMap::is_worth()), the map follows. Anchors
+/// that see the same, and so need not be told apart, are merged.
+///
+/// Thread-safety: one thread. Deterministic in the sequence of calls: it counts its work, and does
+/// not look at a clock.
+class MapLoops {
+ public:
+  static constexpr double kReach = 4.5;  ///< [m]
+  static constexpr double kMostShared =
+      0.8;  ///< overlap with a newer anchor at which one is merged
+
+  /// aligns: false: the map follows what is told alone.
+  explicit MapLoops(bool aligns = true) : aligns_(aligns) {}
+
+  /// A piece of work, no longer than some milliseconds: an alignment, a few iterations of the
+  /// graph, or some bricks of a map that follows. If the map has just followed: the correction, of
+  /// kAnchors, and how places have moved.
+  struct Followed {
+    Correction correction;
+    AnchoredMap::Moved moved;
+    /// Of the error of (x, y, yaw) at the origin of anchor `sure_at`, from the start, in W.
+    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+    int sure_at = 0;
+  };
+  std::optional<Followed> go_on(AnchoredMap& map, double stamp);
+
+  /// The robot's place in what it has drawn was wrong: it is where `correction` (kRobot) moves it
+  /// to. From here on it draws another anchor; the map follows. False while it follows another one.
+  bool move_robot(AnchoredMap& map, const Pose& robot, const Eigen::Matrix3d& covariance,
+                  const Correction& correction);
+
+  /// Loops that are used, and all of them.
+  std::size_t used() const;
+  std::size_t found() const { return graph_.loops().size(); }
+  /// Where W lies in the frame in which the first anchor stays.
+  const PlanarMove& origin() const { return origin_; }
+
+ private:
+  struct Shared {
+    int older = 0, newer = 0;
+    double overlap = 0.0;
+    std::size_t loop = 0;
+  };
+  void extend(const AnchoredMap& map);
+  void begin(const AnchoredMap& map, int anchor);
+  void align_next(const AnchoredMap& map);
+  bool correct(AnchoredMap& map);
+  void merge(AnchoredMap& map);
+  PlanarMove place(int anchor) const;
+  std::optional<Eigen::Matrix3d> sure(const AnchoredMap& map, int anchor) const;
+
+  PoseGraph graph_;
+  std::vector<SubmapSurface> surfaces_;  // of the closed anchors
+  std::deque<int> closed_;               // to be aligned
+  int anchor_ = -1;                      // that is being aligned; -1: none
+  std::unique_ptr<NearestWall> walls_;   // of it
+  std::deque<int> others_;
+  bool optimise_ = false, solved_ = false;
+  std::vector<Shared> shared_;
+  PlanarMove origin_, next_origin_;
+  std::optional<Correction> told_;  // that is being followed
+  bool aligns_ = true;
+  int sure_at_ = 0;                    // the open anchor as it was when the correction was found
+  std::vector<Eigen::Matrix3d> sure_;  // of each anchor up to that, as seen from there
+};
+
+}  // namespace prospect
