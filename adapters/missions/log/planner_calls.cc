@@ -107,14 +107,13 @@ bool add_moves(PlannerCall& call, const MapFrame& frame, int since) {
   for (const MovedPlaces& moved : frame.moved_places) {
     if (moved.taken <= since) continue;
     const std::vector<PlaceMoves::Known>& known = moved.how->known();
-    call.moved_places.push_back(static_cast<double>(known.size()));
+    call.area.push_back(static_cast<double>(known.size()));
     for (const PlaceMoves::Known& k : known) {
-      call.moved_places.insert(
-          call.moved_places.end(),
-          {k.before.x(), k.before.y(), k.move.shift.x(), k.move.shift.y(), k.move.yaw, k.variance});
+      call.area.insert(call.area.end(), {k.before.x(), k.before.y(), k.move.shift.x(),
+                                         k.move.shift.y(), k.move.yaw, k.variance});
     }
   }
-  return !call.moved_places.empty();
+  return !call.area.empty();
 }
 
 void add_landmarks(PlannerCall& call, const LandmarkMap* before, const LandmarkMap& now) {
@@ -304,7 +303,7 @@ void PlannerCallReader::take_map_frame(const PlannerCall& call, const std::strin
   MapFrame frame;
   frame.origin = {{call.pose[0], call.pose[1], call.pose[2]}, call.pose[3]};
   frame.taken = map_frame_ ? map_frame_->taken + 1 : 1;
-  const std::vector<double>& told = call.moved_places;
+  const std::vector<double>& told = call.area;
   for (std::size_t n = 0; n < told.size();) {
     const double count = told[n++];
     if (!(count >= 0.0 && count <= static_cast<double>((told.size() - n) / kOfMove))) {

@@ -73,13 +73,12 @@ struct PlannerCall {
   // kTask
   std::uint8_t task = 0;
   bool has_area = false;
-  std::vector<double> area;      ///< x, y of each corner
+  /// x, y of each corner. Of kMapFrame: how places have moved in W, for each correction that moved
+  /// some (place_moves.h): how many are known, then x, y, the move's x, y, yaw, and the variance of
+  /// each.
+  std::vector<double> area;
   std::array<double, 5> goal{};  ///< x, y, yaw, tolerances of both
   bool has_goal_yaw = false;
-
-  /// kMapFrame: how places have moved in W, for each correction that moved some (place_moves.h):
-  /// how many are known, then x, y, the move's x, y, yaw and the variance of each.
-  std::vector<double> moved_places{};
 
   template <class Message, class Visit>
   static void fields(Message& m, Visit&& visit) {
@@ -111,7 +110,6 @@ struct PlannerCall {
     visit("area", m.area);
     visit("goal", m.goal);
     visit("has_goal_yaw", m.has_goal_yaw);
-    visit("moved_places", m.moved_places);
   }
 };
 

@@ -133,6 +133,7 @@ void add_simulator(Text& text, const Configuration& c) {
   const SimulatorOptions& o = c.simulator;
   text.add_all(guard_limits_for(c));
   add_world(text, c);
+  text.add(o.loops);
   text.add(static_cast<int>(o.sensors)), text.add(o.depth_rate), text.add(o.image_rate);
   text.add_all(o.actuation), text.add_all(o.depth);
   for (const ScheduledCorrection& k : o.corrections) {
@@ -143,7 +144,6 @@ void add_simulator(Text& text, const Configuration& c) {
   text.add_all(c.perception.feature_density);
   text.add(c.map);
   if (o.sensors == Sensors::kModel) {
-    text.add(o.loops);
     text.add_all(o.odometry), text.add_all(o.features), text.add_all(o.landmarks);
     // What looks for features in the images of a mesh.
     const CameraRigOptions& rig = o.camera.rig;

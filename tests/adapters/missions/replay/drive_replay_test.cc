@@ -173,7 +173,7 @@ TEST_F(DriveReplayTest, WhereWLiesInTheMapIsToldWhenItMoves) {
   EXPECT_EQ(last.variance, 0.04);
   EXPECT_GT(after->taken, read.map_frame->taken);
   EXPECT_FALSE(writer.map_frame(belief));
-  call.moved_places.pop_back();
+  call.area.pop_back();
   EXPECT_THROW(reader.take_map_frame(call, "call"), InputError);
 }
 
