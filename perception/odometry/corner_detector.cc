@@ -6,6 +6,8 @@
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
+#include "perception/odometry/image_noise.h"
+
 namespace prospect {
 namespace {
 
@@ -30,7 +32,9 @@ std::vector<Eigen::Vector2f> detect_corners(const ImageView& image,
                      static_cast<std::size_t>(image.stride));
   // OpenCV's gradients of 8-bit images are 2/255 times grey levels a pixel (Sobel gain 8, divided
   // by 4 and 255), and its block is a sum divided by its size.
-  const float floor = static_cast<float>(options.min_strength * 4.0 / (255.0 * 255.0));
+  const double noise = image_noise(image);
+  const float floor =
+      static_cast<float>(options.min_strength * noise * noise * 4.0 / (255.0 * 255.0));
 
   const double cell = std::max(2.0, corner_cell(image.width, image.height, options));
   const int columns = std::max(1, static_cast<int>(std::ceil(image.width / cell)));

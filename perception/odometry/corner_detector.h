@@ -12,9 +12,10 @@ class Knobs;
 struct CornerDetectorOptions {
   /// Cells that the image is divided into, about: cells are squares of side sqrt(width height / n).
   int cells = 300;
-  /// Floor of the corner strength: smaller eigenvalue of the mean of grad I grad I^T over 7 x 7
-  /// pixels [grey^2/px^2]. Absolute, so a blank wall with noise of 2 grey levels gives nothing.
-  double min_strength = 3.0;
+  /// Floor of the corner strength, the smaller eigenvalue of the mean of grad I grad I^T over 7 x 7
+  /// pixels [grey^2/px^2], over the variance of the image's noise (image_noise.h) [grey^2]: the
+  /// same corners in a darker image. Noise alone makes less than 0.5.
+  double min_strength = 0.6;
   int border = 10;  ///< [px] without corners along the image's edges
 };
 

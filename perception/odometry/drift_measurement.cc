@@ -2,52 +2,133 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <unordered_map>
+#include <utility>
 
 #include "engine/support/cholesky.h"
+#include "perception/odometry/se3.h"
 
 namespace prospect {
+namespace {
 
-PoseDrift::Measurement drift_measurement(const StereoCamera& camera,
-                                         const std::vector<Track>& tracks,
-                                         const TrackObservations& observations,
-                                         const PoseEstimate& pose,
-                                         const PoseEstimatorOptions& options,
-                                         double noise_variance) {
+using Matrix6d = PoseDrift::Matrix6d;
+using Vector6d = Eigen::Matrix<double, 6, 1>;
+
+/// What is added up by number, in the order of its first time.
+template <typename Value>
+class Sums {
+ public:
+  Value& operator[](std::uint64_t number) {
+    const auto [at, is_new] = places_.try_emplace(number, all.size());
+    if (is_new) all.emplace_back(number, Value::Zero());
+    return all[at->second].second;
+  }
+  std::vector<std::pair<std::uint64_t, Value>> all;
+
+ private:
+  std::unordered_map<std::uint64_t, std::size_t> places_;
+};
+
+}  // namespace
+
+bool DriftMeasurement::linearise(std::size_t k, Linearised& at) const {
+  const PointObservation& seen = observations_.seen[k];
+  const Eigen::Vector3d& m = pose_.measured[k];
+  if (!pose_.inlier[k] || !observation_residual(camera_, pose_.T_CW, seen, m, at.residual)) {
+    return false;
+  }
+  at.track = &tracks_[static_cast<std::size_t>(observations_.index[k])];
+  at.numbers = error_numbers(*at.track, camera_.left.width, camera_.left.height);
+  at.W = observation_weight(seen, at.residual, options_.sigma_left, options_.sigma_right);
+  at.by_calibration = by_calibration(camera_, seen, at.residual, m);
+  at.errors =
+      observation_errors(seen, at.residual, options_.sigma_left, options_.sigma_right, shared_);
+  at.residual.r += at.residual.d_measured * (seen.measured - m);
+  return true;
+}
+
+PoseDrift::Measurement DriftMeasurement::of_pose() const {
   PoseDrift::Measurement m;
-  PoseDrift::Matrix6d H = PoseDrift::Matrix6d::Zero(), by_anchors = H;
-  for (std::size_t k = 0; k < observations.index.size(); ++k) {
-    const PointObservation& seen = observations.seen[k];
-    ObservationResidual residual;
-    if (!pose.inlier[k] ||
-        !observation_residual(camera, pose.T_CW, seen, pose.measured[k], residual)) {
-      continue;
-    }
-    const Eigen::Matrix<double, 6, 3> JW =
-        residual.d_pose.transpose() *
-        observation_weight(seen, residual, options.sigma_left, options.sigma_right);
-    const Track& track = tracks[observations.index[k]];
+  Matrix6d H = Matrix6d::Zero(), noise = H;
+  Sums<Eigen::Matrix<double, 6, 3>> gains;
+  const double scale = std::sqrt(noise_variance_);
+  for (std::size_t k = 0; k < observations_.index.size(); ++k) {
+    Linearised at;
+    if (!linearise(k, at)) continue;
+    const Anchor& anchor = *at.track->anchor;
     auto reference =
         std::find_if(m.references.begin(), m.references.end(),
-                     [&](const PoseDrift::Reference& r) { return r.anchor == track.anchor->id; });
+                     [&](const PoseDrift::Reference& r) { return r.anchor == anchor.id; });
     if (reference == m.references.end()) {
-      m.references.push_back({track.anchor->id, pose.T_CW * track.anchor->T_CW.inverse(),
-                              PoseDrift::Matrix6d::Zero()});
+      m.references.push_back({anchor.id, pose_.T_CW * anchor.T_CW.inverse(), Matrix6d::Zero()});
       reference = m.references.end() - 1;
     }
-    const PoseDrift::Matrix6d information = JW * residual.d_pose;
+    const Eigen::Matrix<double, 6, 3> JW = at.residual.d_pose.transpose() * at.W;
+    const Matrix6d information = JW * at.residual.d_pose;
     reference->information += information;
     H += information;
-    m.by_calibration += JW * by_calibration(camera, seen, residual, pose.measured[k]);
-    const Eigen::Matrix<double, 6, 3> gain = JW * residual.d_measured;
-    const Eigen::Vector3d variance = seen.sigma.cwiseAbs2();
-    by_anchors += gain * variance.asDiagonal() * gain.transpose();
-    m.sights.push_back({track.id, gain, noise_variance * variance});
+    m.by_calibration += JW * at.by_calibration;
+    noise += JW * at.errors.fresh * JW.transpose();
+    const Eigen::Matrix<double, 6, 3> scaled = scale * JW;
+    gains[at.numbers.landmark] += scaled * at.errors.landmark;
+    gains[at.numbers.area] += scaled * at.errors.area;
+    gains[at.numbers.keyframe] += scaled * at.errors.keyframe;
   }
-  const Eigen::LDLT<PoseDrift::Matrix6d> solver(H);
-  const PoseDrift::Matrix6d noise = solver.solve(solver.solve(H - by_anchors).transpose());
-  m.noise = 0.5 * noise_variance * (noise + noise.transpose());
+  for (auto& [number, gain] : gains.all) m.shares.push_back({number, gain});
+  const Eigen::LDLT<Matrix6d> solver(H);
+  const Matrix6d of_noise = solver.solve(solver.solve(noise).transpose());
+  m.noise = 0.5 * noise_variance_ * (of_noise + of_noise.transpose());
   return m;
+}
+
+std::optional<PoseDrift::Evidence> DriftMeasurement::of_disparity_zero(
+    const std::vector<char>& use) const {
+  std::vector<Linearised> all;
+  Matrix6d H = Matrix6d::Zero();
+  Vector6d h = Vector6d::Zero();
+  for (std::size_t k = 0; k < observations_.index.size(); ++k) {
+    Linearised at;
+    if (!use[k] || !linearise(k, at)) continue;
+    const Eigen::Matrix<double, 6, 3> JW = at.residual.d_pose.transpose() * at.W;
+    H += JW * at.residual.d_pose;
+    h += JW * at.by_calibration.col(kDisparityError);
+    all.push_back(at);
+  }
+  if (all.size() < 6) return std::nullopt;
+  const Eigen::LDLT<Matrix6d> solver(H);
+  if (solver.info() != Eigen::Success || !solver.isPositive()) return std::nullopt;
+  const Vector6d along = solver.solve(h);
+  const auto weight = [&](const Linearised& at) -> Eigen::RowVector3d {
+    return (at.by_calibration.col(kDisparityError) - at.residual.d_pose * along).transpose() * at.W;
+  };
+  double information = 0.0;
+  for (const Linearised& at : all) {
+    information += weight(at).dot(at.by_calibration.col(kDisparityError));
+  }
+  if (!std::isfinite(information) || !(information > 0.0)) return std::nullopt;
+
+  PoseDrift::Evidence evidence;
+  Sums<Eigen::Matrix<double, 1, 6>> anchors;
+  Sums<Eigen::RowVector3d> errors;
+  const double scale = std::sqrt(noise_variance_);
+  for (const Linearised& at : all) {
+    const Eigen::RowVector3d q = weight(at) / information;
+    evidence.value -= q.dot(at.residual.r);
+    // Each residual is what is seen less what the pose, the point and the calibration say.
+    evidence.by_calibration += q * at.by_calibration;
+    const Anchor& anchor = *at.track->anchor;
+    anchors[anchor.id] -= q * at.residual.d_pose * adjoint(pose_.T_CW * anchor.T_CW.inverse());
+    const Eigen::RowVector3d scaled = -scale * q;
+    errors[at.numbers.landmark] += scaled * at.errors.landmark;
+    errors[at.numbers.area] += scaled * at.errors.area;
+    errors[at.numbers.keyframe] += scaled * at.errors.keyframe;
+    evidence.noise += noise_variance_ * q.dot(at.errors.fresh * q.transpose());
+  }
+  evidence.anchors = std::move(anchors.all);
+  evidence.errors = std::move(errors.all);
+  return evidence;
 }
 
 }  // namespace prospect

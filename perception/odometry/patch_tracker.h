@@ -9,7 +9,7 @@ namespace prospect {
 class Knobs;
 
 struct PatchTrackerOptions {
-  double min_texture = 0.5;      ///< [grey^2/px^2], see Patch::make
+  double min_texture = 0.1;      ///< [grey^2/px^2], see Patch::make
   double min_agreement = 0.5;    ///< of the final alignment, see Patch::Alignment
   double max_return = 0.5;       ///< [px] distance of the backward track from where it began
   double shift_per_level = 6.0;  ///< [px of a level] that alignment may move on it

@@ -9,89 +9,101 @@
 namespace prospect {
 namespace {
 
-constexpr Eigen::Index kC = kCalibrationErrors;
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+constexpr Index kC = kCalibrationErrors;
+/// Of a place that is free.
+constexpr std::uint64_t kNone = ~std::uint64_t{0};
+/// Places grow by so many at a time.
+constexpr Index kMoreAnchors = 8, kMoreErrors = 64;
+
+/// Room for `n` more, all zero.
+void grow(MatrixXd& m, Index rows, Index columns) {
+  const Index old_rows = m.rows(), old_columns = m.cols();
+  m.conservativeResize(rows, columns);
+  m.bottomRows(rows - old_rows).setZero();
+  m.rightCols(columns - old_columns).setZero();
+}
 
 }  // namespace
 
 PoseDrift::PoseDrift(const Calibration& calibration)
-    : P_(calibration),
-      to_landmarks_(kC, 0),
-      variances_(0),
-      last_(Eigen::MatrixXd::Zero(6, kC)),
-      last_to_landmarks_(6, 0) {}
+    : P_(calibration), to_errors_(kC, 0), last_(MatrixXd::Zero(6, kC)), last_to_errors_(6, 0) {}
 
-Eigen::Index PoseDrift::row_of(std::uint64_t anchor) const {
+Index PoseDrift::row_of(std::uint64_t anchor) const {
   const auto at = std::find(anchors_.begin(), anchors_.end(), anchor);
   return at == anchors_.end() ? -1 : kC + 6 * (at - anchors_.begin());
 }
 
+Index PoseDrift::column_of(std::uint64_t error) {
+  const auto [at, is_new] = columns_.try_emplace(error, 0);
+  if (!is_new) return at->second;
+  if (free_columns_.empty()) {
+    const Index n = static_cast<Index>(errors_.size());
+    for (Index i = kMoreErrors - 1; i >= 0; --i) {
+      free_columns_.push_back(static_cast<std::size_t>(n + i));
+    }
+    errors_.resize(static_cast<std::size_t>(n + kMoreErrors), kNone);
+    grow(to_errors_, to_errors_.rows(), 3 * (n + kMoreErrors));
+    grow(last_to_errors_, 6, 3 * (n + kMoreErrors));
+  }
+  const std::size_t place = free_columns_.back();
+  free_columns_.pop_back();
+  errors_[place] = error;
+  at->second = 3 * static_cast<Index>(place);
+  return at->second;
+}
+
 void PoseDrift::begin(std::uint64_t anchor, const Matrix6d& covariance) {
   const Calibration calibration = P_.topLeftCorner<kC, kC>();
-  anchors_ = {anchor};
-  landmarks_.clear();
-  P_ = Eigen::MatrixXd::Zero(kC + 6, kC + 6);
-  P_.topLeftCorner<kC, kC>() = calibration;
-  P_.bottomRightCorner<6, 6>() = covariance;
-  to_landmarks_.resize(kC + 6, 0);
-  variances_.resize(0);
-  last_ = P_.bottomRows<6>();
-  last_to_landmarks_.resize(6, 0);
+  *this = PoseDrift(calibration);
   last_covariance_ = covariance;
+  add(anchor);
 }
 
 PoseDrift::Matrix6d PoseDrift::measure(const Measurement& m) {
-  // Landmarks are numbered in the order in which they are made: new ones come last.
-  std::vector<const Sight*> added;
-  for (const Sight& s : m.sights) {
-    if (!std::binary_search(landmarks_.begin(), landmarks_.end(), s.landmark)) added.push_back(&s);
-  }
-  if (!added.empty()) {
-    std::vector<std::uint64_t> all = landmarks_;
-    for (const Sight* s : added) all.push_back(s->landmark);
-    std::sort(all.begin(), all.end());
-    const Eigen::Index n = 3 * static_cast<Eigen::Index>(all.size());
-    Eigen::MatrixXd to_landmarks = Eigen::MatrixXd::Zero(P_.rows(), n);
-    Eigen::VectorXd variances = Eigen::VectorXd::Zero(n);
-    const auto place = [&](std::uint64_t id) {
-      return 3 * (std::lower_bound(all.begin(), all.end(), id) - all.begin());
-    };
-    for (std::size_t i = 0; i < landmarks_.size(); ++i) {
-      const Eigen::Index from = 3 * static_cast<Eigen::Index>(i), to = place(landmarks_[i]);
-      to_landmarks.middleCols<3>(to) = to_landmarks_.middleCols<3>(from);
-      variances.segment<3>(to) = variances_.segment<3>(from);
-    }
-    for (const Sight* s : added) variances.segment<3>(place(s->landmark)) = s->variance;
-    to_landmarks_.swap(to_landmarks);
-    variances_.swap(variances);
-    landmarks_.swap(all);
-  }
+  std::vector<Index> columns;
+  columns.reserve(m.shares.size());
+  for (const Share& s : m.shares) columns.push_back(column_of(s.error));
 
   Matrix6d H = Matrix6d::Zero();
   for (const Reference& r : m.references) H += r.information;
   const Eigen::LDLT<Matrix6d> solver(H);
-  Eigen::MatrixXd by_state = Eigen::MatrixXd::Zero(6, P_.cols());
-  by_state.leftCols<kC>() = -solver.solve(m.by_calibration);
+  // e_C = by_calibration c + by_anchor e_A + by_error x + n
+  const Eigen::Matrix<double, 6, kC> by_calibration = -solver.solve(m.by_calibration);
+  struct Row {
+    Index at;
+    Matrix6d gain;
+  };
+  std::vector<Row> rows;
   for (const Reference& r : m.references) {
-    const Eigen::Index row = row_of(r.anchor);
-    if (row >= 0) by_state.middleCols<6>(row) += solver.solve(r.information * adjoint(r.T_CA));
+    const Index at = row_of(r.anchor);
+    if (at >= 0) rows.push_back({at, solver.solve(r.information * adjoint(r.T_CA))});
   }
-  Eigen::MatrixXd by_landmark = Eigen::MatrixXd::Zero(6, variances_.size());
-  for (const Sight& s : m.sights) {
-    const auto at = std::lower_bound(landmarks_.begin(), landmarks_.end(), s.landmark);
-    by_landmark.middleCols<3>(3 * (at - landmarks_.begin())) = solver.solve(s.gain);
+  last_.noalias() = by_calibration * P_.topRows<kC>();
+  last_to_errors_.noalias() = by_calibration * to_errors_.topRows<kC>();
+  for (const auto& [at, gain] : rows) {
+    last_.noalias() += gain * P_.middleRows<6>(at);
+    last_to_errors_.noalias() += gain * to_errors_.middleRows<6>(at);
   }
-  last_ = by_state * P_;
-  last_.noalias() += by_landmark * to_landmarks_.transpose();
-  last_to_landmarks_ = by_landmark * variances_.asDiagonal();
-  last_to_landmarks_.noalias() += by_state * to_landmarks_;
-  const Matrix6d inherited =
-      last_ * by_state.transpose() + last_to_landmarks_ * by_landmark.transpose();
+  for (std::size_t k = 0; k < columns.size(); ++k) {
+    const Eigen::Matrix<double, 6, 3> gain = solver.solve(m.shares[k].gain);
+    last_.noalias() += gain * to_errors_.middleCols<3>(columns[k]).transpose();
+    last_to_errors_.middleCols<3>(columns[k]) += gain;
+  }
+  Matrix6d inherited = last_.leftCols<kC>() * by_calibration.transpose();
+  for (const auto& [at, gain] : rows) inherited += last_.middleCols<6>(at) * gain.transpose();
+  for (std::size_t k = 0; k < columns.size(); ++k) {
+    const Eigen::Matrix<double, 6, 3> gain = solver.solve(m.shares[k].gain);
+    inherited += last_to_errors_.middleCols<3>(columns[k]) * gain.transpose();
+  }
   last_covariance_ = 0.5 * (inherited + inherited.transpose()) + m.noise;
   return last_covariance_;
 }
 
 PoseDrift::Matrix6d PoseDrift::since(std::uint64_t anchor, const Eigen::Isometry3d& T_CA) const {
-  const Eigen::Index row = row_of(anchor);
+  const Index row = row_of(anchor);
   if (row < 0) return last_covariance_;
   const Matrix6d Ad = adjoint(T_CA);
   const Matrix6d cross = last_.middleCols<6>(row) * Ad.transpose();
@@ -101,50 +113,97 @@ PoseDrift::Matrix6d PoseDrift::since(std::uint64_t anchor, const Eigen::Isometry
 }
 
 void PoseDrift::add(std::uint64_t anchor) {
-  const Eigen::Index n = P_.rows();
-  P_.conservativeResize(n + 6, n + 6);
-  P_.bottomLeftCorner(6, n) = last_;
-  P_.topRightCorner(n, 6) = last_.transpose();
-  P_.bottomRightCorner<6, 6>() = last_covariance_;
-  to_landmarks_.conservativeResize(n + 6, Eigen::NoChange);
-  to_landmarks_.bottomRows<6>() = last_to_landmarks_;
-  anchors_.push_back(anchor);
-  // Measured from: this pose, once more.
-  last_ = P_.bottomRows<6>();
+  if (free_rows_.empty()) {
+    const Index n = static_cast<Index>(anchors_.size()) + kMoreAnchors;
+    for (Index i = n - 1; i >= n - kMoreAnchors; --i) {
+      free_rows_.push_back(static_cast<std::size_t>(i));
+    }
+    anchors_.resize(static_cast<std::size_t>(n), kNone);
+    const Index rows = kC + 6 * n;
+    grow(P_, rows, rows);
+    grow(to_errors_, rows, to_errors_.cols());
+    grow(last_, 6, rows);
+  }
+  const std::size_t place = free_rows_.back();
+  free_rows_.pop_back();
+  anchors_[place] = anchor;
+  const Index at = kC + 6 * static_cast<Index>(place);
+  // What is measured from now on is measured from this pose, once more.
+  last_.middleCols<6>(at) = last_covariance_;
+  P_.middleRows<6>(at) = last_;
+  P_.middleCols<6>(at) = last_.transpose();
+  to_errors_.middleRows<6>(at) = last_to_errors_;
 }
 
-void PoseDrift::keep(const std::set<std::uint64_t>& anchors,
-                     const std::set<std::uint64_t>& landmarks) {
-  std::vector<Eigen::Index> rows, columns;
-  for (Eigen::Index i = 0; i < kC; ++i) rows.push_back(i);
-  std::vector<std::uint64_t> kept, kept_landmarks;
+void PoseDrift::keep(const std::vector<std::uint64_t>& anchors,
+                     const std::vector<std::uint64_t>& errors) {
   for (std::size_t i = 0; i < anchors_.size(); ++i) {
-    if (!anchors.contains(anchors_[i])) continue;
-    kept.push_back(anchors_[i]);
-    for (Eigen::Index k = 0; k < 6; ++k) rows.push_back(kC + 6 * static_cast<Eigen::Index>(i) + k);
+    if (anchors_[i] == kNone || std::binary_search(anchors.begin(), anchors.end(), anchors_[i])) {
+      continue;
+    }
+    anchors_[i] = kNone;
+    free_rows_.push_back(i);
+    const Index at = kC + 6 * static_cast<Index>(i);
+    P_.middleRows<6>(at).setZero();
+    P_.middleCols<6>(at).setZero();
+    to_errors_.middleRows<6>(at).setZero();
+    last_.middleCols<6>(at).setZero();
   }
-  for (std::size_t i = 0; i < landmarks_.size(); ++i) {
-    if (!landmarks.contains(landmarks_[i])) continue;
-    kept_landmarks.push_back(landmarks_[i]);
-    for (Eigen::Index k = 0; k < 3; ++k) columns.push_back(3 * static_cast<Eigen::Index>(i) + k);
+  for (std::size_t i = 0; i < errors_.size(); ++i) {
+    if (errors_[i] == kNone || std::binary_search(errors.begin(), errors.end(), errors_[i])) {
+      continue;
+    }
+    columns_.erase(errors_[i]);
+    errors_[i] = kNone;
+    free_columns_.push_back(i);
+    const Index at = 3 * static_cast<Index>(i);
+    to_errors_.middleCols<3>(at).setZero();
+    last_to_errors_.middleCols<3>(at).setZero();
   }
-  if (kept.size() == anchors_.size() && kept_landmarks.size() == landmarks_.size()) return;
-  P_ = P_(rows, rows).eval();
-  to_landmarks_ = to_landmarks_(rows, columns).eval();
-  variances_ = variances_(columns).eval();
-  last_ = last_(Eigen::all, rows).eval();
-  last_to_landmarks_ = last_to_landmarks_(Eigen::all, columns).eval();
-  anchors_ = kept;
-  landmarks_ = kept_landmarks;
 }
 
-void PoseDrift::update_calibration(int error, double predicted_variance, double variance) {
-  const double share = predicted_variance > 0.0 ? variance / predicted_variance : 0.0;
-  P_.row(error) *= share;
-  P_.col(error) *= share;
-  to_landmarks_.row(error) *= share;
-  last_.col(error) *= share;
-  P_(error, error) = variance;
+double PoseDrift::estimate(const Evidence& evidence, double wandered, double most) {
+  constexpr Index kZero = kDisparityError;
+  P_(kZero, kZero) = std::min(P_(kZero, kZero) + wandered, most);
+  // cov(z, s), cov(e_C, s), cov(x, s)
+  Eigen::VectorXd of_state = P_.leftCols<kC>() * evidence.by_calibration.transpose();
+  Eigen::Matrix<double, 6, 1> of_last = last_.leftCols<kC>() * evidence.by_calibration.transpose();
+  std::vector<Index> columns;
+  for (const auto& [error, gain] : evidence.errors) columns.push_back(column_of(error));
+  Eigen::VectorXd of_errors =
+      to_errors_.topRows<kC>().transpose() * evidence.by_calibration.transpose();
+  double variance = evidence.noise;
+  for (const auto& [anchor, gain] : evidence.anchors) {
+    const Index at = row_of(anchor);
+    if (at < 0) continue;
+    of_state.noalias() += P_.middleCols<6>(at) * gain.transpose();
+    of_last.noalias() += last_.middleCols<6>(at) * gain.transpose();
+    of_errors.noalias() += to_errors_.middleRows<6>(at).transpose() * gain.transpose();
+  }
+  for (std::size_t k = 0; k < columns.size(); ++k) {
+    const Eigen::Vector3d gain = evidence.errors[k].second.transpose();
+    of_state.noalias() += to_errors_.middleCols<3>(columns[k]) * gain;
+    of_last.noalias() += last_to_errors_.middleCols<3>(columns[k]) * gain;
+    of_errors.segment<3>(columns[k]) += gain;
+  }
+  variance += evidence.by_calibration.dot(of_state.head<kC>());
+  for (const auto& [anchor, gain] : evidence.anchors) {
+    const Index at = row_of(anchor);
+    if (at >= 0) variance += gain.dot(of_state.segment<6>(at));
+  }
+  for (std::size_t k = 0; k < columns.size(); ++k) {
+    variance += evidence.errors[k].second.dot(of_errors.segment<3>(columns[k]));
+  }
+  const double shared = of_state[kZero];
+  if (!(variance > 0.0) || !(shared > 0.0)) return 0.0;
+  const double K = shared / variance;
+  const double left = std::max(0.0, P_(kZero, kZero) - K * shared);
+  P_.row(kZero) -= K * of_state.transpose();
+  P_.col(kZero) = P_.row(kZero).transpose();
+  P_(kZero, kZero) = left;
+  last_.col(kZero) -= K * of_last;
+  to_errors_.row(kZero) -= K * of_errors.transpose();
+  return K * evidence.value;
 }
 
 }  // namespace prospect

@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <map>
 #include <optional>
-#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -33,6 +32,7 @@
 #include "perception/odometry/pose_judgement.h"
 #include "perception/odometry/recall.h"
 #include "perception/odometry/residual_noise.h"
+#include "perception/odometry/shared_errors.h"
 #include "perception/odometry/track.h"
 #include "perception/odometry/track_survival.h"
 #include "perception/odometry/trusted_pose.h"
@@ -88,9 +88,8 @@ struct StereoOdometry::Impl {
         options(all_options),
         recalls(options.recovery_keyframes),
         clock(options.max_gap),
-        offset(options.disparity_offset),
         time_offset(options.time_offset),
-        drift(calibration_covariance(options.calibration, offset.sigma())),
+        drift(calibration_covariance(options.calibration, options.disparity_offset.prior_sigma)),
         survival(options.survival) {
     camera.sigma_u = camera.sigma_v = options.sigma_corner;
     camera.sigma_d = options.sigma_disparity;
@@ -117,7 +116,7 @@ struct StereoOdometry::Impl {
   std::vector<std::uint64_t> given_up;
 
   // What is learned on the way.
-  DisparityOffset offset;
+  double offset = 0.0;  // of all disparities, see disparity_offset.h [px]
   CameraTimeOffset time_offset;
   ResidualNoise noise;
   PoseDrift drift;
@@ -136,8 +135,8 @@ struct StereoOdometry::Impl {
     out.T_WC = trusted.T_CW.inverse();
     out.covariance = covariance;
     out.row_error = row_error;
-    out.disparity_offset = offset.value();
-    out.disparity_offset_sigma = offset.sigma();
+    out.disparity_offset = offset;
+    out.disparity_offset_sigma = std::sqrt(drift.calibration_variance(kDisparityError));
     out.camera_time_offset = time_offset.value();
     out.camera_time_offset_sigma = time_offset.sigma();
     out.camera_time_offset_depth = time_offset.depth_sigma();
@@ -167,9 +166,8 @@ struct StereoOdometry::Impl {
   }
 
   TrackObservations observations() const {
-    return observe_tracks(tracks,
-                          {options.sigma_corner, options.sigma_corner, options.sigma_disparity},
-                          offset.value());
+    return observe_tracks(
+        tracks, {options.sigma_corner, options.sigma_corner, options.sigma_disparity}, offset);
   }
 
   /// Where the frame was taken: from where the robot should be by `motion` or as it moved before;
@@ -177,8 +175,8 @@ struct StereoOdometry::Impl {
   /// newest views that were kept. Changes the tracks to those that were found.
   Candidate locate(double stamp, const FrameImages& now, const std::optional<Isometry3d>& motion,
                    OdometryTimes& times) {
-    const FrameLocator locator(camera, options, offset.value(), options.seed + frame, now.left,
-                               *now.right, times);
+    const FrameLocator locator(camera, options, offset, options.seed + frame, now.left, *now.right,
+                               times);
     const auto from = [&](std::vector<Track>& points, const Isometry3d& prior, bool trust_prior) {
       Candidate candidate{locator.locate(points, prior, trust_prior), {}};
       candidate.judgement =
@@ -229,34 +227,39 @@ struct StereoOdometry::Impl {
   /// Covariance of a pose against the start.
   Matrix6d covariance_of(const PoseEstimate& pose) {
     noise.add(pose.chi2_per_dof, pose.degrees);
-    return drift.measure(
-        drift_measurement(camera, tracks, observations(), pose, options.pose, noise.variance()));
+    const TrackObservations seen = observations();
+    return drift.measure(DriftMeasurement(camera, tracks, seen, pose, options.pose,
+                                          options.shared_errors, noise.variance())
+                             .of_pose());
   }
 
   /// What the newest pose says about the disparity offset; then all landmarks move with it.
   void update_offset(const PoseEstimate& pose) {
-    const auto [seen, index] = observations();
+    const double prior = options.disparity_offset.prior_sigma;
+    if (!(prior > 0.0)) return;
+    const TrackObservations seen = observations();
     const Vector3d here = pose.T_CW.inverse().translation();
-    std::vector<char> speaks(index.size(), 0);
+    std::vector<char> speaks(seen.index.size(), 0);
     int speaking = 0;
-    for (std::size_t k = 0; k < index.size(); ++k) {
-      const Track& t = tracks[index[k]];
+    for (std::size_t k = 0; k < seen.index.size(); ++k) {
+      const Track& t = tracks[seen.index[k]];
       const double moved = (here - t.anchor->T_CW.inverse().translation()).norm();
-      speaks[k] = pose.inlier[k] && !t.has_spoken &&
-                  moved >= options.disparity_offset.min_baseline * t.in_anchor.z();
+      speaks[k] =
+          pose.inlier[k] && moved >= options.disparity_offset.min_baseline * t.in_anchor.z();
       speaking += speaks[k];
     }
     if (speaking < options.disparity_offset.min_points) return;
-    for (std::size_t k = 0; k < index.size(); ++k) tracks[index[k]].has_spoken |= speaks[k] != 0;
+    const auto evidence = DriftMeasurement(camera, tracks, seen, pose, options.pose,
+                                           options.shared_errors, noise.variance())
+                              .of_disparity_zero(speaks);
+    if (!evidence) return;
     const double walk = options.disparity_offset.walk_sigma;
-    const double before = offset.sigma() * offset.sigma() + walk * walk;
-    offset.update(disparity_offset_evidence(camera, seen, pose, speaks, options.pose));
-    if (offset.estimated()) {
-      drift.update_calibration(kDisparityError, before, offset.sigma() * offset.sigma());
-    }
-    for (Track& t : tracks) place_track(t, camera, offset.value());
+    const double most = options.disparity_offset.max_offset;
+    offset =
+        std::clamp(offset + drift.estimate(*evidence, walk * walk, prior * prior), -most, most);
+    for (Track& t : tracks) place_track(t, camera, offset);
     for (Recall& recall : recalls.all()) {
-      for (Track& t : recall.tracks) place_track(t, camera, offset.value());
+      for (Track& t : recall.tracks) place_track(t, camera, offset);
     }
   }
 
@@ -334,7 +337,7 @@ struct StereoOdometry::Impl {
       t.disparity = m.disparity;
       t.slope = m.slope.cast<double>();
       t.disparity_variance = options.texture_noise * m.variance;
-      place_track(t, camera, offset.value());
+      place_track(t, camera, offset);
       t.left = t.pixel;
       t.right = static_cast<float>(t.pixel.x() - m.disparity);
       t.in_view = t.tracked = t.inlier = t.has_right = true;
@@ -348,20 +351,25 @@ struct StereoOdometry::Impl {
     return static_cast<int>(found.matches.size());
   }
 
-  /// No longer in the joint covariance: anchors that no landmark comes from, and landmarks that are
-  /// gone.
+  /// No longer in the joint covariance: anchors that no landmark comes from, and errors of
+  /// landmarks that are gone.
   void forget_anchors() {
-    std::set<std::uint64_t> used = {keyframe.anchor}, landmarks;
+    std::vector<std::uint64_t> used = {keyframe.anchor}, errors;
     for (const Track& t : tracks) {
-      used.insert(t.anchor->id);
-      landmarks.insert(t.id);
+      used.push_back(t.anchor->id);
+      const ErrorNumbers numbers = error_numbers(t, camera.left.width, camera.left.height);
+      errors.insert(errors.end(), {numbers.landmark, numbers.area, numbers.keyframe});
     }
     for (const Recall& recall : recalls.all()) {
-      for (const Track& t : recall.tracks) used.insert(t.anchor->id);
+      for (const Track& t : recall.tracks) used.push_back(t.anchor->id);
     }
     std::erase_if(remembered, [&](const auto& r) { return r.first + kRememberedFrames < frame; });
-    for (const auto& [number, pose] : remembered) used.insert(of_frame(number));
-    drift.keep(used, landmarks);
+    for (const auto& [number, pose] : remembered) used.push_back(of_frame(number));
+    for (std::vector<std::uint64_t>* numbers : {&used, &errors}) {
+      std::sort(numbers->begin(), numbers->end());
+      numbers->erase(std::unique(numbers->begin(), numbers->end()), numbers->end());
+    }
+    drift.keep(used, errors);
   }
 
   /// The newest pose, just measured, for covariance_since().

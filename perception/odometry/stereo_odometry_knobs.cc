@@ -9,6 +9,7 @@
 #include "perception/odometry/keyframe_policy.h"
 #include "perception/odometry/patch_tracker.h"
 #include "perception/odometry/pose_estimation.h"
+#include "perception/odometry/shared_errors.h"
 #include "perception/odometry/stereo_matcher.h"
 #include "perception/odometry/stereo_odometry.h"
 #include "perception/odometry/track_survival.h"
@@ -19,7 +20,7 @@ void describe(Knobs& knobs, CornerDetectorOptions& o) {
   knobs.integer("cells", o.cells, {1, 1000000}, "1",
                 "that the image is divided into: a corner each");
   knobs.number("min_strength", o.min_strength, {0.0, 1e6}, "1",
-               "least strength of a corner, in squared grey levels a squared pixel");
+               "least strength of a corner, over the variance of the image's noise");
   knobs.integer("border", o.border, {0, 10000}, "px", "without corners along the image's edges");
 }
 
@@ -28,7 +29,6 @@ void describe(Knobs& knobs, DisparityOffsetOptions& o) {
                "error of the calibration's disparities; 0: it is not estimated");
   knobs.number("walk_sigma", o.walk_sigma, {0.0, 10.0}, "px",
                "by which it may wander from one update to the next");
-  knobs.number("trust", o.trust, {0.001, 1.0}, "1", "share of what it says that evidence is worth");
   knobs.number("min_baseline", o.min_baseline, {0.001, 10.0}, "1",
                "share of its depth by which the camera must have moved for a landmark to speak");
   knobs.integer("min_points", o.min_points, {1, 100000}, "1", "landmarks that must speak together");
@@ -51,6 +51,17 @@ void describe(Knobs& knobs, CalibrationErrorOptions& o) {
                "error of the calibration, each coordinate");
   knobs.number("focal_length", o.focal_length, {0.0, 1.0}, "1", "the same, of itself");
   knobs.number("baseline", o.baseline, {0.0, 1.0}, "1", "the same, of itself");
+}
+
+void describe(Knobs& knobs, SharedErrorOptions& o) {
+  knobs.number("lasting", o.lasting, {0.0, 1.0}, "1",
+               "of the variance of a patch's position, that is the same while it is tracked");
+  knobs.number("area", o.area, {0.0, 0.5}, "1",
+               "of what lasts, that a keyframe's patches in a sixth of its width and height share");
+  knobs.number("keyframe", o.keyframe, {0.0, 0.5}, "1",
+               "of what lasts, that all patches of a keyframe share");
+  knobs.number("left_right", o.left_right, {0.0, 0.999}, "1",
+               "correlation of a patch's errors in both images");
 }
 
 void describe(Knobs& knobs, KeyframePolicyOptions& o) {
@@ -160,6 +171,7 @@ void describe(Knobs& knobs, StereoOdometryOptions& o) {
   knobs.group("disparity_offset", [&] { describe(knobs, o.disparity_offset); });
   knobs.group("time_offset", [&] { describe(knobs, o.time_offset); });
   knobs.group("calibration", [&] { describe(knobs, o.calibration); });
+  knobs.group("shared_errors", [&] { describe(knobs, o.shared_errors); });
   knobs.group("survival", [&] { describe(knobs, o.survival); });
 }
 

@@ -9,6 +9,7 @@
 #include "perception/odometry/keyframe_policy.h"
 #include "perception/odometry/patch_tracker.h"
 #include "perception/odometry/pose_estimation.h"
+#include "perception/odometry/shared_errors.h"
 #include "perception/odometry/stereo_matcher.h"
 #include "perception/odometry/track_survival.h"
 
@@ -25,6 +26,7 @@ struct StereoOdometryOptions {
   DisparityOffsetOptions disparity_offset;
   CameraTimeOffsetOptions time_offset;
   CalibrationErrorOptions calibration;
+  SharedErrorOptions shared_errors;
   TrackSurvival::Options survival;
 
   int pyramid_levels = 5;

@@ -36,9 +36,8 @@ struct Track {
   /// Where it was at the last keyframe [px], if it was.
   Eigen::Vector2f at_keyframe = Eigen::Vector2f::Zero();
   bool seen_at_keyframe = false;
-  int misses = 0;           ///< in a row
-  int found = 0;            ///< in how many frames
-  bool has_spoken = false;  ///< about the disparity offset
+  int misses = 0;  ///< in a row
+  int found = 0;   ///< in how many frames
 
   // The newest frame.
   bool in_view = false;

@@ -6,6 +6,8 @@
 #include <random>
 #include <stdexcept>
 
+#include "perception/odometry/image_noise.h"
+
 namespace prospect::corner_detector_test {
 namespace {
 
@@ -40,7 +42,24 @@ TEST(CornerDetector, NothingOnABlankWallWithNoiseOfTwoGreyLevels) {
   EXPECT_TRUE(detect_corners(wall.view()).empty());
 }
 
-TEST(CornerDetector, TheFloorIsInGreyLevelsAPixel) {
+TEST(CornerDetector, FindsAsMuchInADarkerImage) {
+  // A smooth pattern with noise, and the same with half of the light.
+  std::mt19937 generator(4);
+  std::normal_distribution<double> noise(0.0, 3.0);
+  Image bright(320, 240), dark(320, 240);
+  for (int v = 0; v < 240; ++v) {
+    for (int u = 0; u < 320; ++u) {
+      const double grey = 130.0 + 25.0 * std::sin(0.21 * u) * std::sin(0.17 * v) + noise(generator);
+      bright.at(u, v) = static_cast<std::uint8_t>(std::lround(grey));
+      dark.at(u, v) = static_cast<std::uint8_t>(std::lround(grey / 2.0));
+    }
+  }
+  const std::size_t found = detect_corners(bright.view()).size();
+  ASSERT_GT(found, 50u);
+  EXPECT_GT(detect_corners(dark.view()).size(), 9 * found / 10);
+}
+
+TEST(CornerDetector, TheFloorIsInVariancesOfTheNoise) {
   // I = a sin(k u) + a sin(k v) with a period of 7 px, the block's: central differences have the
   // amplitude a sin k, so both eigenvalues are (a sin k)^2 / 2 everywhere.
   const double a = 20.0, k = 2.0 * M_PI / 7.0;
@@ -51,7 +70,8 @@ TEST(CornerDetector, TheFloorIsInGreyLevelsAPixel) {
           static_cast<std::uint8_t>(std::lround(128.0 + a * std::sin(k * u) + a * std::sin(k * v)));
     }
   }
-  const double strength = 0.5 * std::pow(a * std::sin(k), 2);
+  const double noise = image_noise(waves.view());
+  const double strength = 0.5 * std::pow(a * std::sin(k) / noise, 2);
   CornerDetectorOptions options;
   options.cells = 4;
   options.min_strength = 0.95 * strength;
@@ -90,8 +110,10 @@ TEST(CornerDetector, ACornerIsTheSameWhateverOtherCellsHold) {
   for (auto& p : image.pixels) p = static_cast<std::uint8_t>(generator() >> 24);
   CornerDetectorOptions options;
   options.cells = 48;
+  options.min_strength = 0.0;
   const auto all = detect_corners(image.view(), {}, options);
   const auto cell = static_cast<float>(corner_cell(320, 240, options));
+  ASSERT_GT(all.size(), 20u);
   int compared = 0;
   for (const Eigen::Vector2f& c : all) {
     // Every cell but that of this corner is full, by a point as far from it as can be.

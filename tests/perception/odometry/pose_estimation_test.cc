@@ -14,7 +14,6 @@
 #include <vector>
 
 #include "engine/support/cholesky.h"
-#include "perception/odometry/disparity_offset.h"
 #include "tests/not_under_sanitizers.h"
 
 namespace prospect::pose_estimation_test {
@@ -42,9 +41,7 @@ class PoseEstimation : public testing::Test {
     Isometry3d truth;
   };
   /// n points triangulated from noisy stereo measurements at the identity, seen from T with noise.
-  /// `offset`: the measured disparities are too small by so much, in both views.
-  Scene scene(int n, const Isometry3d& T, double outliers, const PoseEstimatorOptions& options,
-              double offset = 0.0) {
+  Scene scene(int n, const Isometry3d& T, double outliers, const PoseEstimatorOptions& options) {
     Scene s;
     s.truth = T;
     while (static_cast<int>(s.observations.size()) < n) {
@@ -53,13 +50,13 @@ class PoseEstimation : public testing::Test {
       const Vector3d true_point = camera_.triangulate(u, v, d);
       const Vector3d Y = T * true_point;
       if (Y.z() < 0.3 || !camera_.left.in_image(camera_.left.project(Y))) continue;
-      const double measured = d - offset + normal(camera_.sigma_d);
+      const double measured = d + normal(camera_.sigma_d);
       PointObservation o;
       o.measured << u, v, measured;
       o.sigma << 1e-9, 1e-9, camera_.sigma_d;
       o.left = camera_.left.project(Y) +
                Eigen::Vector2d(normal(options.sigma_left), normal(options.sigma_left));
-      o.right = camera_.left.project(Y - Vector3d(camera_.baseline, 0, 0)).x() + offset +
+      o.right = camera_.left.project(Y - Vector3d(camera_.baseline, 0, 0)).x() +
                 normal(options.sigma_right);
       if (uniform(0, 1) < outliers) o.left += Eigen::Vector2d(uniform(-60, 60), uniform(-60, 60));
       if (uniform(0, 1) < 0.2) o.right = std::nan("");
@@ -131,42 +128,6 @@ TEST_F(PoseEstimation, SaysSoWhenThePointsDoNotFixThePose) {
   // Nothing but noise.
   Scene noise = scene(100, Isometry3d::Identity(), 1.0, options);
   EXPECT_FALSE(ransac_pose(camera_, noise.observations, Isometry3d::Identity(), 1, options).solved);
-}
-
-TEST_F(PoseEstimation, MotionShowsAnOffsetOfTheDisparity) {
-  // 30 views, each with its own points, all disparities measured 0.2 px too small.
-  PoseEstimatorOptions options;
-  DisparityOffset offset({.prior_sigma = 0.3, .walk_sigma = 0.0, .trust = 1.0});
-  for (int k = 0; k < 30; ++k) {
-    Isometry3d T = motion(0.05, 0.03);
-    T.translation().z() -= 0.4;
-    Scene s = scene(150, T, 0.0, options, 0.2);
-    // Corrected by what is known so far, as the odometry does.
-    for (PointObservation& o : s.observations) {
-      o.measured.z() += offset.value();
-      o.right -= offset.value();
-    }
-    const PoseEstimate e = refine_pose(camera_, s.observations, {}, T, options);
-    ASSERT_TRUE(e.solved);
-    const auto evidence = disparity_offset_evidence(camera_, s.observations, e, e.inlier, options);
-    EXPECT_GT(evidence.information, 0.0);
-    offset.update(evidence);
-  }
-  EXPECT_LT(offset.sigma(), 0.05);
-  EXPECT_NEAR(offset.value(), 0.2, 4.0 * offset.sigma());
-}
-
-TEST_F(PoseEstimation, AtRestTheOffsetStaysUnknown) {
-  PoseEstimatorOptions options;
-  const Scene s = scene(150, Isometry3d::Identity(), 0.0, options, 0.2);
-  const PoseEstimate e = refine_pose(camera_, s.observations, {}, Isometry3d::Identity(), options);
-  const auto evidence = disparity_offset_evidence(camera_, s.observations, e, e.inlier, options);
-  DisparityOffset offset;
-  offset.update(evidence);
-  EXPECT_GT(offset.sigma(), 0.2);
-  DisparityOffset off({.prior_sigma = 0.0});
-  off.update({100.0, -50.0});
-  EXPECT_EQ(off.value(), 0.0);
 }
 
 // Stereo tracks of a car as text, with the camera poses that came with them: refinement alone,

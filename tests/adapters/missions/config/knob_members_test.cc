@@ -45,6 +45,7 @@
 #include "perception/odometry/keyframe_policy.h"
 #include "perception/odometry/patch_tracker.h"
 #include "perception/odometry/pose_estimation.h"
+#include "perception/odometry/shared_errors.h"
 #include "perception/odometry/stereo_matcher.h"
 #include "perception/odometry/stereo_odometry.h"
 #include "perception/odometry/track_survival.h"
@@ -315,9 +316,8 @@ TEST(KnobMembers, EveryNumberAndSwitchIsAKnob) {
   }
   {
     DisparityOffsetOptions o;
-    [[maybe_unused]] auto& [prior_sigma, walk_sigma, trust, min_baseline, min_points, max_offset] =
-        o;
-    EXPECT_KNOBS(o, prior_sigma, walk_sigma, trust, min_baseline, min_points, max_offset);
+    [[maybe_unused]] auto& [prior_sigma, walk_sigma, min_baseline, min_points, max_offset] = o;
+    EXPECT_KNOBS(o, prior_sigma, walk_sigma, min_baseline, min_points, max_offset);
   }
   {
     CameraTimeOffsetOptions o;
@@ -335,14 +335,19 @@ TEST(KnobMembers, EveryNumberAndSwitchIsAKnob) {
     EXPECT_KNOBS(o, principal_point, focal_length, baseline);
   }
   {
+    SharedErrorOptions o;
+    [[maybe_unused]] auto& [lasting, area, keyframe, left_right] = o;
+    EXPECT_KNOBS(o, lasting, area, keyframe, left_right);
+  }
+  {
     StereoOdometryOptions o;
     [[maybe_unused]] auto& [corners, matching, tracking, pose, keyframes, disparity_offset,
-                            time_offset, calibration, survival, pyramid_levels, sigma_corner,
-                            sigma_disparity, texture_noise, max_scale, max_misses, lost_points,
-                            degraded_points, lost_share, degraded_share, lost_right_share,
-                            degraded_right_share, max_sigma_position, max_speed, max_turn_rate,
-                            max_acceleration, max_turn_acceleration, max_gap, recovery_keyframes,
-                            restart_after, background_mapping, seed] = o;
+                            time_offset, calibration, shared_errors, survival, pyramid_levels,
+                            sigma_corner, sigma_disparity, texture_noise, max_scale, max_misses,
+                            lost_points, degraded_points, lost_share, degraded_share,
+                            lost_right_share, degraded_right_share, max_sigma_position, max_speed,
+                            max_turn_rate, max_acceleration, max_turn_acceleration, max_gap,
+                            recovery_keyframes, restart_after, background_mapping, seed] = o;
     EXPECT_KNOBS(o, pyramid_levels, sigma_corner, sigma_disparity, texture_noise, max_scale,
                  max_misses, lost_points, degraded_points, lost_share, degraded_share,
                  lost_right_share, degraded_right_share, max_sigma_position, max_speed,
