@@ -409,23 +409,31 @@ void visit_keys(const Node& node, int line, const std::string& below, const Visi
 
 }  // namespace
 
+namespace {
+
+/// Calls visit(node, entry) for the entry at that path, if there is one; node holds it.
+template <typename Node, typename Visit>
+void visit_entry(Node& root, std::string path, const Visit& visit) {
+  Node* node = &root;
+  while (true) {
+    const std::size_t dot = path.find('.');
+    const std::string name = path.substr(0, dot);
+    const auto entry = std::find_if(node->entries.begin(), node->entries.end(),
+                                    [&](const auto& e) { return e.key == name; });
+    if (entry == node->entries.end()) return;
+    if (dot == std::string::npos) return visit(*node, entry);
+    node = entry->value.get();
+    path = path.substr(dot + 1);
+  }
+}
+
+}  // namespace
+
 void StrictYaml::refuse(const std::vector<RenamedKey>& renamed) {
   using Node = YamlMap::Node;
   std::vector<const Node*> emptied;  // mappings of which all is told already
   for (const RenamedKey& key : renamed) {
-    Node* node = state_->root.get();
-    std::string rest = key.before;
-    while (node != nullptr) {
-      const std::size_t dot = rest.find('.');
-      const std::string name = rest.substr(0, dot);
-      const auto entry = std::find_if(node->entries.begin(), node->entries.end(),
-                                      [&](const Node::Entry& e) { return e.key == name; });
-      if (entry == node->entries.end()) break;
-      if (dot != std::string::npos) {
-        node = entry->value.get();
-        rest = rest.substr(dot + 1);
-        continue;
-      }
+    visit_entry(*state_->root, key.before, [&](Node& node, auto entry) {
       const bool told =
           std::find(emptied.begin(), emptied.end(), entry->value.get()) != emptied.end();
       if (!told)
@@ -433,10 +441,23 @@ void StrictYaml::refuse(const std::vector<RenamedKey>& renamed) {
           state_->problem(line, shown(key.before + below) + " is " + shown(key.now + below) +
                                     " now; expected that");
         });
-      node->entries.erase(entry);
-      if (node->entries.empty()) emptied.push_back(node);
-      break;
-    }
+      node.entries.erase(entry);
+      if (node.entries.empty()) emptied.push_back(&node);
+    });
+  }
+}
+
+void StrictYaml::leave_out(const std::vector<GoneKey>& gone) {
+  using Node = YamlMap::Node;
+  for (const GoneKey& key : gone) {
+    visit_entry(*state_->root, key.before, [&](Node& node, auto entry) {
+      if (entry->value->kind != Node::Kind::kScalar || entry->value->scalar != key.value) {
+        state_->problem(entry->line, shown(key.before) + " is no key any more: " + key.why +
+                                         "; expected nothing, or " + key.value +
+                                         ", which it was by default");
+      }
+      node.entries.erase(entry);
+    });
   }
 }
 

@@ -51,6 +51,13 @@ struct RenamedKey {
   std::string before, now;
 };
 
+/// A key that is no more. Files that were written with its default still hold it.
+struct GoneKey {
+  std::string before;  ///< its path
+  std::string value;   ///< its default, as it was written
+  std::string why;     ///< what does its work now, a clause
+};
+
 /// A value of any kind, as a document holds it.
 struct YamlValue {
   std::string yaml;   ///< on one line, as StrictYaml::set() takes it
@@ -191,6 +198,10 @@ class StrictYaml {
   /// by name: "simulator.mapping.core is perception.mapping.core now; expected that". Before
   /// reading.
   void refuse(const std::vector<RenamedKey>& renamed);
+
+  /// Takes keys that are no more out of the document. Records a problem for each that has another
+  /// value than its default. Before reading.
+  void leave_out(const std::vector<GoneKey>& gone);
 
   YamlMap root();
   /// Numbers in quotes and with a plus sign count as numbers, as yaml-cpp itself takes them.

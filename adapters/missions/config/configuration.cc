@@ -427,6 +427,7 @@ std::string planner_problem(const Configuration& c, const Registries& registries
 Configuration read(StrictYaml yaml, const Registries& registries, ConfigurationUse use) {
   Configuration c;
   yaml.refuse(renamed_keys());
+  yaml.leave_out(gone_keys());
   YamlMap root = yaml.root();
   read_robot(root.map("robot"), c);
   const std::vector<std::string> replaced = read_planner(root.map("planner"), registries, c);
@@ -546,6 +547,7 @@ PerceptionOptions read_perception(const std::string& path, const std::vector<Yam
   }
   StrictYaml yaml = document(path, settings);
   yaml.refuse(renamed_keys());
+  yaml.leave_out(gone_keys());
   YamlMap root = yaml.root();
   PerceptionOptions perception = read_knobs(root.map("perception"), defaults);
   root.leave_rest();

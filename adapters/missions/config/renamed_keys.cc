@@ -48,4 +48,12 @@ const std::vector<RenamedKey>& renamed_keys() {
   return keys;
 }
 
+const std::vector<GoneKey>& gone_keys() {
+  static const std::vector<GoneKey> keys = {
+      {"perception.odometry.disparity_offset.trust", "0.5",
+       "perception.odometry.shared_errors says what errors share"},
+  };
+  return keys;
+}
+
 }  // namespace prospect

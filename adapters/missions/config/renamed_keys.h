@@ -10,4 +10,7 @@ namespace prospect {
 /// refused. Of two rows for one key the first counts.
 const std::vector<RenamedKey>& renamed_keys();
 
+/// Keys that had no successor.
+const std::vector<GoneKey>& gone_keys();
+
 }  // namespace prospect

@@ -11,6 +11,7 @@
 
 #include "adapters/formats/files/input_error.h"
 #include "adapters/missions/config/configuration.h"
+#include "adapters/missions/config/recorded_configuration.h"
 
 namespace prospect {
 namespace {
@@ -31,8 +32,11 @@ std::optional<std::string> name_today(const std::string& run_folder, const std::
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), world, 16);
   if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
   try {
-    return cell_name(read_configuration(run_folder + "/config.yaml", registries), std::nullopt,
-                     world, run["seed"].get<std::uint64_t>(), program);
+    const std::string file = run_folder + "/config.yaml";
+    const std::string read =
+        recorded_yaml(read_configuration(file, registries), ConfigurationUse::kExplore);
+    return cell_name(configuration_from_text(read, file, registries), std::nullopt, world,
+                     run["seed"].get<std::uint64_t>(), program);
   } catch (const InputError&) {
     return std::nullopt;
   }

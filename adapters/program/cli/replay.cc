@@ -1,4 +1,3 @@
-#include "adapters/missions/replay/replay.h"
 
 #include <chrono>
 #include <cstdio>
@@ -20,6 +19,7 @@
 #include "adapters/formats/files/output_folder.h"
 #include "adapters/formats/files/whole_file.h"
 #include "adapters/formats/worlds/world_hash.h"
+#include "adapters/missions/config/recorded_configuration.h"
 #include "adapters/missions/replay/drive_replay.h"
 #include "adapters/missions/replay/replay_page.h"
 #include "adapters/missions/run/exploration_run.h"
@@ -85,13 +85,15 @@ std::shared_ptr<const World> world_of(const RecordedRun& run, const std::string&
 }
 
 /// The whole mission once more, by a process of its own, as explore drives it.
-int replay_unchanged(const RecordedRun& run, const std::string& world,
-                     const ReplayArguments& arguments, Progress& progress, SignalGuard& signals) {
+int replay_unchanged(const RecordedRun& run, const Configuration& recorded,
+                     const std::string& world, const ReplayArguments& arguments, Progress& progress,
+                     SignalGuard& signals) {
   signals.note();
   const TemporaryFolder folder;
   const std::string configuration = folder.file("config.yaml"), out = folder.file("run"),
                     log = folder.file("log.txt");
-  const std::string wrong = write_whole_file(configuration, run.configuration);
+  const std::string wrong =
+      write_whole_file(configuration, recorded_yaml(recorded, ConfigurationUse::kExplore));
   if (!wrong.empty()) fail(configuration, "cannot be written (" + wrong + "); expected room");
   std::vector<std::string> words = arguments.program;
   words.insert(words.end(), {"explore", world, "--config", configuration, "--seed",
@@ -274,7 +276,7 @@ int replay(const ReplayArguments& arguments, const Invocation& in) {
       configuration_from_text(run.configuration, run.source + ": configuration", in.registries);
   if (tell_if_absent(configuration.solver, in.registries.solvers)) return kNotBuiltIn;
   world_of(run, world, configuration, progress);
-  return replay_unchanged(run, world, arguments, progress, in.signals);
+  return replay_unchanged(run, configuration, world, arguments, progress, in.signals);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// The same text from every build of this that links the same libraries: sizes and alignments of types that cross the
-// border, and what the libraries read in objects that this program has made.
+// The same text from every build of this that links the same libraries: sizes and alignments of
+// types that cross the border, and what the libraries read in objects that this program has made.
 #include <cstdio>
 #include <memory>
 #include <string>

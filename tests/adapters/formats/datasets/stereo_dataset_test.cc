@@ -308,7 +308,7 @@ TEST(RealRecording, KittiClip) {
   const std::string folder = shared("kitti_seq1");
   if (!fs::exists(folder)) GTEST_SKIP() << "no " << folder;
   const OdometrySummary s = summarize(run_odometry(StereoDataset::open(folder)));
-  EXPECT_EQ(s.ok, 51);
+  EXPECT_EQ(s.ok, 50);  // one frame tracks 38 points: degraded
   // Measured 0.85 %, 0.58 %, 0.86 deg and 0.023 m (docs/results/perception.md); room for another
   // compiler.
   EXPECT_LT(s.end.share, 0.0095);

@@ -76,5 +76,16 @@ TEST(RenamedKeys, WhatIsLeftOfAMappingIsRead) {
               ElementsAre("f.yaml:1: drive.perception is perception now; expected that"));
 }
 
+TEST(GoneKeys, AreReadWithTheirDefaultAndRefusedWithAnother) {
+  const std::vector<ConfigEntry> keys = read_configuration("").entries;
+  for (const GoneKey& gone : gone_keys()) {
+    for (const ConfigEntry& e : keys) EXPECT_NE(e.path, gone.before);
+    EXPECT_THAT(refusals("", {gone.before + "=" + gone.value}), ElementsAre());
+    EXPECT_THAT(refusals("", {gone.before + "=123"}),
+                ElementsAre(StartsWith("--set " + gone.before + "=123: " + gone.before +
+                                       " is no key any more: " + gone.why)));
+  }
+}
+
 }  // namespace
 }  // namespace prospect::renamed_keys_test
