@@ -81,8 +81,8 @@ if(TARGET Ceres::ceres)
 endif()
 configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/prospectConfig.cmake.in
   ${PROJECT_BINARY_DIR}/prospectConfig.cmake INSTALL_DESTINATION ${package})
-# 0.x: a minor version may change interfaces.
+# What changes works for a version more, and what is gone does not compile: who asks for an older 0.x is served.
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/prospectConfigVersion.cmake
-  COMPATIBILITY SameMinorVersion)
+  COMPATIBILITY SameMajorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/prospectConfig.cmake ${PROJECT_BINARY_DIR}/prospectConfigVersion.cmake
   ${PROJECT_SOURCE_DIR}/cmake/LibraryTargets.cmake DESTINATION ${package})
