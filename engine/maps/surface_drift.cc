@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 
+#include "engine/maps/planar_error.h"
 #include "engine/maps/pose_error.h"
 #include "engine/maps/present_view.h"
 
@@ -93,11 +94,7 @@ void SurfaceDrift::cover(Cell c) {
 }
 
 double SurfaceDrift::variance(Cell c) const {
-  const Eigen::Vector2d lever = variance_seen_.frame.center(c) - position_;
-  const Eigen::Vector2d turned(-lever.y(), lever.x());
-  return std::max(0.0, 0.5 * covariance_.topLeftCorner<2, 2>().trace() +
-                           turned.dot(covariance_.topRightCorner<2, 1>()) +
-                           0.5 * lever.squaredNorm() * covariance_(2, 2));
+  return place_variance(covariance_, variance_seen_.frame.center(c) - position_);
 }
 
 double SurfaceDrift::sigma(Cell c) const {

@@ -2,8 +2,9 @@
 
 #include <octomap/octomap_utils.h>
 
-#include <algorithm>
 #include <utility>
+
+#include "engine/maps/planar_error.h"
 
 namespace prospect {
 namespace {
@@ -96,12 +97,7 @@ std::optional<AnchoredMap::Moved> AnchoredMap::go_on(int bricks,
     for (const Eigen::Vector2d& p : a.way) {
       known.push_back({a.to_W(p), moved.anchors.back(), -1.0});
       if (n >= sure.size()) continue;
-      const Eigen::Vector2d lever = now(p) - from;
-      const Eigen::Vector2d turned(-lever.y(), lever.x());
-      const Eigen::Matrix3d& P = sure[n];
-      known.back().variance =
-          std::max(0.0, 0.5 * (P(0, 0) + P(1, 1)) + turned.dot(P.topRightCorner<2, 1>()) +
-                            0.5 * lever.squaredNorm() * P(2, 2));
+      known.back().variance = place_variance(sure[n], now(p) - from);
     }
     a.to_W = now;
   }

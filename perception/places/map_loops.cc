@@ -1,12 +1,12 @@
 #include "perception/places/map_loops.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 
+#include "engine/maps/planar_error.h"
 #include "models/formatted.h"
 #include "perception/places/submap_alignment.h"
 
@@ -49,16 +49,9 @@ Eigen::Matrix3d turned(const Eigen::Matrix3d& covariance, double yaw) {
 }
 
 /// Of what odometry adds from one anchor to another, in the frame of the other.
-Eigen::Matrix3d added(const MapAnchor& from, const MapAnchor& to) {
+Eigen::Matrix3d added_between(const MapAnchor& from, const MapAnchor& to) {
   const Eigen::Vector2d way = (to.origin.position - from.origin.position).head<2>();
-  Eigen::Matrix3d F = Eigen::Matrix3d::Identity();
-  F(0, 2) = -way.y();
-  F(1, 2) = way.x();
-  Eigen::Matrix3d Q = to.covariance - F * from.covariance * F.transpose();
-  // Found again, it may know its place better than before.
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(0.5 * (Q + Q.transpose()));
-  Q = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).asDiagonal() *
-      eigen.eigenvectors().transpose();
+  Eigen::Matrix3d Q = added(from.covariance, way, to.covariance);
   Q.diagonal() += Eigen::Vector3d(kLeastPosition * kLeastPosition, kLeastPosition * kLeastPosition,
                                   kLeastYaw * kLeastYaw);
   return turned(Q, -to.origin.yaw);
@@ -101,7 +94,7 @@ void MapLoops::extend(const AnchoredMap& map) {
     const MapAnchor& to = anchors[graph_.keyframes()];
     const MapAnchor& from = anchors[static_cast<std::size_t>(to.parent)];
     const PlanarMove way = move_of(from.origin).inverse() * to.jump * move_of(to.origin);
-    (void)graph_.add_keyframe(to.id, from.id, relative(way, added(from, to)));
+    (void)graph_.add_keyframe(to.id, from.id, relative(way, added_between(from, to)));
     if (aligns_) closed_.push_back(to.id - 1);
   }
 }

@@ -3,7 +3,6 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <deque>
-#include <map>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -81,7 +80,7 @@ class MapLoops {
   int anchor_ = -1;                      // that is being aligned; -1: none
   std::unique_ptr<NearestWall> walls_;   // of it
   std::deque<int> others_;
-  bool optimise_ = false, solved_ = false;
+  bool optimise_ = false;
   std::vector<Shared> shared_;
   PlanarMove origin_, next_origin_;
   std::optional<Correction> told_;  // that is being followed

@@ -20,6 +20,7 @@ constexpr double kStiff = 0.01, kStiffYaw = 0.002;  // [m], [rad]
 constexpr int kLeastMatched = 60;
 constexpr double kLeastAgreement = 0.6;
 constexpr std::size_t kMostWalls = 800;
+constexpr double kArm = 3.0;  // [m] at which a turn counts as a shift
 
 /// About a centre: p -> R(yaw) (p - c) + c + (x, y).
 PlanarMove about(const Eigen::Vector2d& c, const Eigen::Vector3d& d) {
@@ -29,7 +30,7 @@ PlanarMove about(const Eigen::Vector2d& c, const Eigen::Vector3d& d) {
 /// Less what it owes to the errors of the walls' directions, about 0.15 rad: those of a corridor
 /// seem to say a little of what lies along it.
 Eigen::Matrix3d without_noise(const Eigen::Matrix3d& information) {
-  constexpr double kOfDirections = 0.02, kArm = 3.0;  // variance; [m]
+  constexpr double kOfDirections = 0.02;  // variance
   const Eigen::Vector3d scale(1.0, 1.0, 1.0 / kArm);
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(scale.asDiagonal() * information *
                                                              scale.asDiagonal());
@@ -104,7 +105,6 @@ std::vector<PlanarMove> beginnings(const PlanarMove& guess, const Eigen::Matrix3
   const double x = std::sqrt(std::max(0.0, spread(0, 0))),
                y = std::sqrt(std::max(0.0, spread(1, 1))),
                yaw = std::sqrt(std::max(0.0, spread(2, 2)));
-  constexpr double kArm = 3.0;  // [m]
   if (std::max({x, y, kArm * yaw}) < kSure) return all;
   const Eigen::Vector3d by(std::min(2.0 * x, kMostShift), std::min(2.0 * y, kMostShift),
                            std::min(2.0 * yaw, kMostTurn));

@@ -2,9 +2,8 @@
 # program. Each ends with `finish`.
 # shellcheck shell=bash
 # shellcheck disable=SC2034,SC2154
-failures=0
-fail() { echo "FAILED: $*" >&2; failures=$((failures + 1)); }
-# run ARGUMENT...: leaves exit code, standard output and error in $code, $out, $err.
+source "${BASH_SOURCE[0]%/*}/../checks.sh"
+# run ARGUMENT...: of the program; leaves exit code, standard output and error in $code, $out, $err.
 run() {
   code=0
   "$prospect" "$@" >out.txt 2>err.txt </dev/null || code=$?

@@ -5,8 +5,7 @@ set -uo pipefail
 root="$1" build="$2" work="$3"
 rm -rf "$work"
 mkdir -p "$work"
-failures=0
-fail() { echo "FAILED: $*" >&2; failures=$((failures + 1)); }
+source "${BASH_SOURCE[0]%/*}/../checks.sh"
 here="$(dirname "${BASH_SOURCE[0]}")"
 truth() { /usr/bin/python3 -B "$here/pages_tell_truth.py" "$root" "$build" "$@"; }
 

@@ -5,15 +5,7 @@ set -uo pipefail
 root="$1" prospect="$2" work="$3"
 rm -rf "$work"
 mkdir -p "$work"
-failures=0
-fail() { echo "FAILED: $*" >&2; failures=$((failures + 1)); }
-# run COMMAND...: leaves exit code, standard output and error in $code, $out, $err.
-run() {
-  code=0
-  "$@" >"$work/out" 2>"$work/err" </dev/null || code=$?
-  out="$(<"$work/out")"
-  err="$(<"$work/err")"
-}
+source "${BASH_SOURCE[0]%/*}/../checks.sh"
 
 releases=0
 for release in "$root"/releases/*/; do

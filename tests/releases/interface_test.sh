@@ -6,15 +6,7 @@ set -uo pipefail
 root="$1" work="$2"
 rm -rf "$work"
 mkdir -p "$work"
-failures=0
-fail() { echo "FAILED: $*" >&2; failures=$((failures + 1)); }
-# run COMMAND...: leaves exit code, standard output and error in $code, $out, $err.
-run() {
-  code=0
-  "$@" >"$work/out" 2>"$work/err" </dev/null || code=$?
-  out="$(<"$work/out")"
-  err="$(<"$work/err")"
-}
+source "${BASH_SOURCE[0]%/*}/../checks.sh"
 
 run "$root/scripts/interface" compare
 ((code == 0)) || fail "the version is too low for what has changed: $err"

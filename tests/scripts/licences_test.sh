@@ -6,15 +6,7 @@ root="$1" work="$2" cmake="$3"
 shift 3
 rm -rf "$work"
 mkdir -p "$work"
-failures=0
-fail() { echo "FAILED: $*" >&2; failures=$((failures + 1)); }
-# run COMMAND...: leaves exit code, standard output and error in $code, $out, $err.
-run() {
-  code=0
-  "$@" >"$work/out" 2>"$work/err" </dev/null || code=$?
-  out="$(<"$work/out")"
-  err="$(<"$work/err")"
-}
+source "${BASH_SOURCE[0]%/*}/../checks.sh"
 
 # All of this build's parts are known; their bill is the same each time and names every library.
 run "$root/scripts/licences" --sbom "$work/one.json" "$@"

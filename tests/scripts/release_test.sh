@@ -7,8 +7,7 @@ set -uo pipefail
 root="$1" work="$2"
 rm -rf "$work"
 mkdir -p "$work"
-failures=0
-fail() { echo "FAILED: $*" >&2; failures=$((failures + 1)); }
+source "${BASH_SOURCE[0]%/*}/../checks.sh"
 # refused CODE EXPECTED COMMAND...: that exit code, and one line that holds EXPECTED.
 refused() {
   local code=0 expected="$2" with="$1"

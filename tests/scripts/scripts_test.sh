@@ -11,15 +11,7 @@ else
 fi
 work="$(mktemp -d)"
 trap 'rm -rf "$work"' EXIT
-failures=0
-fail() { echo "FAILED: $*" >&2; failures=$((failures + 1)); }
-# run COMMAND...: leaves exit code, standard output and error in $code, $out, $err.
-run() {
-  code=0
-  "$@" >"$work/out" 2>"$work/err" </dev/null || code=$?
-  out="$(<"$work/out")"
-  err="$(<"$work/err")"
-}
+source "${BASH_SOURCE[0]%/*}/../checks.sh"
 lines() { [[ -z "$1" ]] && echo 0 || wc -l <<<"$1"; }
 
 for script in "$root"/scripts/{setup,build,explore,test,gazebo,bare_machine} "$root/.ci/run"; do

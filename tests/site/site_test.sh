@@ -11,8 +11,7 @@ done
   { echo "site: skipped: no furo, myst-parser or sphinx-copybutton (scripts/setup --release)"; exit 77; }
 rm -rf "$work"
 mkdir -p "$work"
-failures=0
-fail() { echo "FAILED: $*" >&2; failures=$((failures + 1)); }
+source "${BASH_SOURCE[0]%/*}/../checks.sh"
 here="$(realpath "$(dirname "${BASH_SOURCE[0]}")")"
 
 "$prospect" explore corridor --seed 1 --time-limit 2 --quiet --out "$work/run" >/dev/null 2>&1

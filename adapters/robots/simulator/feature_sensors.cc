@@ -1,6 +1,5 @@
 #include "adapters/robots/simulator/feature_sensors.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -12,6 +11,7 @@
 #include "adapters/robots/simulator/noise_stream.h"
 #include "adapters/robots/simulator/relocalization.h"
 #include "adapters/robots/simulator/view_features.h"
+#include "engine/maps/planar_error.h"
 #include "perception/mapping/anchored_map.h"
 #ifdef PROSPECT_LOOPS
 #include "perception/places/map_loops.h"
@@ -127,17 +127,9 @@ Eigen::Matrix4d FeatureSensors::covariance(const Pose& true_pose) const {
   const MapAnchor& at = loops_->map.anchors()[static_cast<std::size_t>(loops_->sure_at)];
   const Eigen::Vector2d way =
       (odometry_.estimate(true_pose).position - at.origin.position).head<2>();
-  Eigen::Matrix3d F = Eigen::Matrix3d::Identity();
-  F(0, 2) = -way.y();
-  F(1, 2) = way.x();
-  // What odometry has added since; found again after a loss, it may know its place better.
-  const Eigen::Matrix3d added = by_odometry(planar, planar) - F * at.covariance * F.transpose();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(0.5 * (added + added.transpose()));
-  const Eigen::Matrix3d least = eigen.eigenvectors() *
-                                eigen.eigenvalues().cwiseMax(0.0).asDiagonal() *
-                                eigen.eigenvectors().transpose();
   Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();
-  covariance(planar, planar) = F * loops_->sure * F.transpose() + least;
+  covariance(planar, planar) =
+      carried(loops_->sure, way) + added(at.covariance, way, by_odometry(planar, planar));
   return 0.5 * (covariance + covariance.transpose());
 }
 
