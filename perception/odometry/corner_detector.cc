@@ -34,7 +34,7 @@ std::vector<Eigen::Vector2f> detect_corners(const ImageView& image,
   // by 4 and 255), and its block is a sum divided by its size.
   const double noise = image_noise(image);
   const float floor =
-      static_cast<float>(options.min_strength * noise * noise * 4.0 / (255.0 * 255.0));
+      static_cast<float>(options.min_strength_over_noise * noise * noise * 4.0 / (255.0 * 255.0));
 
   const double cell = std::max(2.0, corner_cell(image.width, image.height, options));
   const int columns = std::max(1, static_cast<int>(std::ceil(image.width / cell)));

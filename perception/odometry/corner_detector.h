@@ -15,7 +15,7 @@ struct CornerDetectorOptions {
   /// Floor of the corner strength, the smaller eigenvalue of the mean of grad I grad I^T over 7 x 7
   /// pixels [grey^2/px^2], over the variance of the image's noise (image_noise.h) [grey^2]: the
   /// same corners in a darker image. Noise alone makes less than 0.5.
-  double min_strength = 0.6;
+  double min_strength_over_noise = 0.6;
   int border = 10;  ///< [px] without corners along the image's edges
 };
 

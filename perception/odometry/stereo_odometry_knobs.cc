@@ -19,7 +19,7 @@ namespace prospect {
 void describe(Knobs& knobs, CornerDetectorOptions& o) {
   knobs.integer("cells", o.cells, {1, 1000000}, "1",
                 "that the image is divided into: a corner each");
-  knobs.number("min_strength", o.min_strength, {0.0, 1e6}, "1",
+  knobs.number("min_strength_over_noise", o.min_strength_over_noise, {0.0, 1e6}, "1",
                "least strength of a corner, over the variance of the image's noise");
   knobs.integer("border", o.border, {0, 10000}, "px", "without corners along the image's edges");
 }

@@ -51,6 +51,8 @@ struct YamlMap::State {
   std::size_t untold = 0;  ///< problems beyond kMostProblems
   bool quoted_numbers = false;
   std::vector<ConfigEntry> entries;
+  std::vector<RenamedKey> renamed;
+  std::vector<std::string> notices;  ///< of them
 
   /// The n-th setting (StrictYaml::set) stands in line kSettings + n, after all that files hold.
   static constexpr int kSettings = 1'000'000'000;
@@ -389,6 +391,7 @@ void StrictYaml::set(const YamlSetting& setting) {
       if (setting.unless_told && !created) return;
       entry->line = line;
       entry->value = std::move(value);
+      move_renamed();
       return;
     }
     node = entry->value.get();
@@ -404,6 +407,61 @@ void visit_keys(const Node& node, int line, const std::string& below, const Visi
   if (node.entries.empty()) visit(below, line);
   for (const auto& entry : node.entries) {
     visit_keys(*entry.value, entry.line, below + '.' + entry.key, visit);
+  }
+}
+
+/// Takes the entry at that path out of the node, and with it the mappings that held nothing else.
+template <typename Entry, typename Node>
+std::optional<Entry> take(Node& node, const std::string& path) {
+  const std::size_t dot = path.find('.');
+  const auto entry = std::find_if(node.entries.begin(), node.entries.end(),
+                                  [&](const Entry& e) { return e.key == path.substr(0, dot); });
+  if (entry == node.entries.end()) return std::nullopt;
+  std::optional<Entry> taken;
+  if (dot == std::string::npos) {
+    taken = std::move(*entry);
+  } else {
+    taken = take<Entry>(*entry->value, path.substr(dot + 1));
+    if (!taken || !entry->value->entries.empty()) return taken;
+  }
+  node.entries.erase(entry);
+  return taken;
+}
+
+/// Puts an entry at that path of the node. both(path, line): what is there already and stays, as it
+/// is no later setting.
+template <typename Entry, typename Node, typename Both>
+void put(Node& node, const std::string& path, Entry entry, int settings, const Both& both) {
+  if (node.kind == Node::Kind::kNull) node.kind = Node::Kind::kMap;
+  if (node.kind != Node::Kind::kMap) return;  // which its reader refuses
+  const std::size_t dot = path.find('.');
+  const std::string key = path.substr(0, dot);
+  auto there = std::find_if(node.entries.begin(), node.entries.end(),
+                            [&](const Entry& e) { return e.key == key; });
+  if (dot != std::string::npos) {
+    if (there == node.entries.end()) {
+      node.entries.push_back({key, entry.line, std::make_unique<Node>(), false});
+      there = std::prev(node.entries.end());
+      there->value->line = entry.line;
+    }
+    put(*there->value, path.substr(dot + 1), std::move(entry), settings, both);
+    return;
+  }
+  using Kind = typename Node::Kind;
+  if (there == node.entries.end() || there->value->kind == Kind::kNull) {
+    if (there != node.entries.end()) node.entries.erase(there);
+    entry.key = key;
+    node.entries.push_back(std::move(entry));
+  } else if (there->value->kind == Kind::kMap && entry.value->kind == Kind::kMap) {
+    for (Entry& below : entry.value->entries) {
+      const std::string name = below.key;
+      put(*there->value, name, std::move(below), settings, both);
+    }
+  } else if (entry.line >= settings && entry.line > there->line) {
+    there->line = entry.line;
+    there->value = std::move(entry.value);
+  } else if (there->line < settings) {
+    both(entry.line, there->line);
   }
 }
 
@@ -429,23 +487,32 @@ void visit_entry(Node& root, std::string path, const Visit& visit) {
 
 }  // namespace
 
-void StrictYaml::refuse(const std::vector<RenamedKey>& renamed) {
+void StrictYaml::rename(std::vector<RenamedKey> renamed) {
+  state_->renamed = std::move(renamed);
+  move_renamed();
+}
+
+void StrictYaml::move_renamed() {
   using Node = YamlMap::Node;
-  std::vector<const Node*> emptied;  // mappings of which all is told already
-  for (const RenamedKey& key : renamed) {
-    visit_entry(*state_->root, key.before, [&](Node& node, auto entry) {
-      const bool told =
-          std::find(emptied.begin(), emptied.end(), entry->value.get()) != emptied.end();
-      if (!told)
-        visit_keys(*entry->value, entry->line, "", [&](const std::string& below, int line) {
-          state_->problem(line, shown(key.before + below) + " is " + shown(key.now + below) +
-                                    " now; expected that");
-        });
-      node.entries.erase(entry);
-      if (node.entries.empty()) emptied.push_back(&node);
+  YamlMap::State& state = *state_;
+  for (const RenamedKey& key : state.renamed) {
+    std::optional<Node::Entry> entry = take<Node::Entry>(*state.root, key.before);
+    if (!entry) continue;
+    visit_keys(*entry->value, entry->line, "", [&](const std::string& below, int line) {
+      if (state.notices.size() == YamlMap::State::kMostProblems) return;
+      state.notices.push_back(state.at(line) + ": " + shown(key.before + below) + " is " +
+                              shown(key.now + below) +
+                              " now; it is read as that for one version more");
     });
+    put(*state.root, key.now, std::move(*entry), YamlMap::State::kSettings,
+        [&](int line, int there) {
+          state.problem(line, shown(key.before) + " is " + shown(key.now) + " now, and " +
+                                  state.at(there) + " tells that too; expected one of them");
+        });
   }
 }
+
+const std::vector<std::string>& StrictYaml::notices() const { return state_->notices; }
 
 void StrictYaml::leave_out(const std::vector<GoneKey>& gone) {
   using Node = YamlMap::Node;

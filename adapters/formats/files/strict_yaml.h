@@ -194,10 +194,13 @@ class StrictYaml {
   /// has something else than mappings on the way.
   void set(const YamlSetting& setting);
 
-  /// Takes out of the document what has another name now, and records a problem for each key of it
-  /// by name: "simulator.mapping.core is perception.mapping.core now; expected that". Before
-  /// reading.
-  void refuse(const std::vector<RenamedKey>& renamed);
+  /// Moves what has another name now to that name, and notes each key of it (notices()). Of a key
+  /// that both names tell, the later setting counts; told twice by the document it is a problem.
+  /// Before reading; settings that follow are moved likewise.
+  void rename(std::vector<RenamedKey> renamed);
+  /// "f.yaml:3: simulator.mapping.core is perception.mapping.core now; it is read as that for one
+  /// version more", in the order of the table, at most 100.
+  const std::vector<std::string>& notices() const;
 
   /// Takes keys that are no more out of the document. Records a problem for each that has another
   /// value than its default. Before reading.
@@ -214,6 +217,7 @@ class StrictYaml {
 
  private:
   StrictYaml();
+  void move_renamed();
   std::unique_ptr<YamlMap::State> state_;
 };
 

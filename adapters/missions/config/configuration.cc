@@ -26,7 +26,9 @@ namespace prospect {
 namespace {
 
 StrictYaml with_settings(StrictYaml yaml, const std::vector<YamlSetting>& settings) {
+  yaml.rename(renamed_keys());
   for (const YamlSetting& setting : settings) yaml.set(setting);
+  yaml.leave_out(gone_keys());
   return yaml;
 }
 
@@ -426,8 +428,6 @@ std::string planner_problem(const Configuration& c, const Registries& registries
 
 Configuration read(StrictYaml yaml, const Registries& registries, ConfigurationUse use) {
   Configuration c;
-  yaml.refuse(renamed_keys());
-  yaml.leave_out(gone_keys());
   YamlMap root = yaml.root();
   read_robot(root.map("robot"), c);
   const std::vector<std::string> replaced = read_planner(root.map("planner"), registries, c);
@@ -455,6 +455,7 @@ Configuration read(StrictYaml yaml, const Registries& registries, ConfigurationU
   yaml.finish();
 
   c.entries = yaml.entries();
+  c.notices = yaml.notices();
   std::erase_if(c.entries, [&](const ConfigEntry& entry) {
     return std::find(replaced.begin(), replaced.end(), entry.path) != replaced.end();
   });
@@ -539,15 +540,14 @@ Configuration read_configuration(const std::string& path, const Registries& regi
 }
 
 PerceptionOptions read_perception(const std::string& path, const std::vector<YamlSetting>& settings,
-                                  const PerceptionOptions& defaults, ConfigurationUse use) {
+                                  const PerceptionOptions& defaults, ConfigurationUse use,
+                                  std::vector<std::string>* notices) {
   for (const YamlSetting& setting : settings) {
     if (setting.assignment.starts_with("perception.")) continue;
     throw InputError("--set " + setting.assignment +
                      ": of a robot, not of a recording; expected a key of perception");
   }
   StrictYaml yaml = document(path, settings);
-  yaml.refuse(renamed_keys());
-  yaml.leave_out(gone_keys());
   YamlMap root = yaml.root();
   PerceptionOptions perception = read_knobs(root.map("perception"), defaults);
   root.leave_rest();
@@ -555,6 +555,7 @@ PerceptionOptions read_perception(const std::string& path, const std::vector<Yam
   std::vector<ConfigEntry> told = yaml.entries();
   std::erase_if(told, [](const ConfigEntry& entry) { return !entry.set; });
   refuse_unread(told, {.use = use});
+  if (notices) *notices = yaml.notices();
   return perception;
 }
 

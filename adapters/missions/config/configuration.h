@@ -40,6 +40,7 @@ struct Configuration {
   std::string map;
   std::string solver = "nlopt";
   std::vector<ConfigEntry> entries;  ///< what is in effect, for config.yaml and `prospect config`
+  std::vector<std::string> notices;  ///< keys told by the name they had, a line each; for people
 };
 
 /// Reads a configuration file; an empty path gives the defaults. Its solver and its
@@ -58,9 +59,10 @@ KeyReader key_reader(const Configuration& configuration, ConfigurationUse use);
 
 /// How a recording is perceived: `perception` of a configuration file and of settings, above
 /// `defaults`. What else the file holds is a robot's, and left; settings that the use does not read
-/// are refused. Throws InputError as read_configuration().
+/// are refused. `notices`: as of a Configuration. Throws InputError as read_configuration().
 PerceptionOptions read_perception(const std::string& path, const std::vector<YamlSetting>& settings,
-                                  const PerceptionOptions& defaults, ConfigurationUse use);
+                                  const PerceptionOptions& defaults, ConfigurationUse use,
+                                  std::vector<std::string>* notices = nullptr);
 
 /// Takes the cameras of `robot` and their mounts from who knows them better than the file, and
 /// notes them in the entries: the robot is what a reader makes of these, to the bit (angles of at

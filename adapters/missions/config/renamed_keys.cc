@@ -52,6 +52,9 @@ const std::vector<GoneKey>& gone_keys() {
   static const std::vector<GoneKey> keys = {
       {"perception.odometry.disparity_offset.trust", "0.5",
        "perception.odometry.shared_errors says what errors share"},
+      {"perception.odometry.corners.min_strength", "3",
+       "perception.odometry.corners.min_strength_over_noise is the same over the variance of the "
+       "image's noise"},
   };
   return keys;
 }

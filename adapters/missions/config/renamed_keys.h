@@ -7,10 +7,10 @@
 namespace prospect {
 
 /// Keys of a configuration that once had another name, with all below them: one row a name that is
-/// refused. Of two rows for one key the first counts.
+/// still read (StrictYaml::rename()). Of two rows for one key the first counts.
 const std::vector<RenamedKey>& renamed_keys();
 
-/// Keys that had no successor.
+/// Keys that have no successor of the same meaning.
 const std::vector<GoneKey>& gone_keys();
 
 }  // namespace prospect

@@ -229,8 +229,7 @@ int bench(const BenchArguments& arguments, const Registries& registries, SignalG
     return merge(arguments, signals);
   if (!arguments.sets.empty() && arguments.sets.front() == "compare") return compare(arguments);
   const Configuration configuration =
-      read_configuration(arguments.configuration.file, registries,
-                         arguments.configuration.settings(), ConfigurationUse::kExplore);
+      read_told(arguments.configuration, registries, ConfigurationUse::kExplore);
   if (!arguments.capture.empty()) {
     return capture(arguments, configuration, registries, signals);
   }

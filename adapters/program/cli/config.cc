@@ -29,7 +29,7 @@ int print_reference(const ConfigurationArguments& given) {
 }
 
 int print_configuration(const ConfigurationArguments& given, const Registries& registries) {
-  std::cout << effective_yaml(read_configuration(given.file, registries, given.settings()).entries);
+  std::cout << effective_yaml(read_told(given, registries, ConfigurationUse::kAny).entries);
   return kDone;
 }
 

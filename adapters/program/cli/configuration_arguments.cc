@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cctype>
+#include <iostream>
+#include <utility>
 
-#include "adapters/missions/config/configuration.h"
 #include "adapters/program/cli/shell_words.h"
 
 namespace prospect {
@@ -34,6 +35,31 @@ std::vector<YamlSetting> ConfigurationArguments::settings() const {
   std::vector<YamlSetting> all = spelled;
   all.insert(all.end(), set.begin(), set.end());
   return all;
+}
+
+void tell_notices(std::vector<std::string> notices) {
+  for (auto notice = notices.begin(); notice != notices.end(); ++notice) {
+    if (std::find(notices.begin(), notice, *notice) != notice) continue;
+    std::cerr << "prospect: " << *notice << '\n';
+  }
+}
+
+Configuration read_told(const ConfigurationArguments& arguments, const Registries& registries,
+                        ConfigurationUse use, std::vector<YamlSetting> below) {
+  const std::vector<YamlSetting> told = arguments.settings();
+  below.insert(below.end(), told.begin(), told.end());
+  Configuration configuration = read_configuration(arguments.file, registries, below, use);
+  tell_notices(configuration.notices);
+  return configuration;
+}
+
+PerceptionOptions read_told_perception(const ConfigurationArguments& arguments,
+                                       const PerceptionOptions& defaults, ConfigurationUse use) {
+  std::vector<std::string> notices;
+  PerceptionOptions perception =
+      read_perception(arguments.file, arguments.settings(), defaults, use, &notices);
+  tell_notices(std::move(notices));
+  return perception;
 }
 
 void add_set(CLI::App* command, ConfigurationArguments& arguments) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "adapters/formats/files/strict_yaml.h"
+#include "adapters/missions/config/configuration.h"
 
 namespace prospect {
 
@@ -20,6 +21,15 @@ struct ConfigurationArguments {
   /// For read_configuration(), where the later stands above the earlier.
   std::vector<YamlSetting> settings() const;
 };
+
+/// Tells notices of a configuration on stderr, each once.
+void tell_notices(std::vector<std::string> notices);
+/// read_configuration() of the arguments, above the settings `below`; its notices are told.
+Configuration read_told(const ConfigurationArguments& arguments, const Registries& registries,
+                        ConfigurationUse use, std::vector<YamlSetting> below = {});
+/// read_perception() likewise.
+PerceptionOptions read_told_perception(const ConfigurationArguments& arguments,
+                                       const PerceptionOptions& defaults, ConfigurationUse use);
 
 /// --set KEY=VALUE.
 void add_set(CLI::App* command, ConfigurationArguments& arguments);

@@ -273,9 +273,7 @@ Configuration configuration_of(const ExploreArguments& arguments, const Registri
       settings.emplace_back(told, "the robot '" + base.user->name + "': " + told);
     }
   }
-  const std::vector<YamlSetting> given = arguments.configuration.settings();
-  settings.insert(settings.end(), given.begin(), given.end());
-  return read_configuration(arguments.configuration.file, registries, settings, use_of(base));
+  return read_told(arguments.configuration, registries, use_of(base), std::move(settings));
 }
 
 /// What has come of a mission; the files that were written are those of `folder`.

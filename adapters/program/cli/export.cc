@@ -80,8 +80,7 @@ int export_world(const ExportArguments& arguments, const Registries& registries,
                      "'; expected a file .sdf with a name without blanks and quotes");
   }
   Configuration configuration =
-      read_configuration(arguments.configuration.file, registries,
-                         arguments.configuration.settings(), ConfigurationUse::kExport);
+      read_told(arguments.configuration, registries, ConfigurationUse::kExport);
   Progress progress;
   const std::shared_ptr<const World> world =
       told_world(arguments.world, configuration, ConfigurationUse::kExport, progress);

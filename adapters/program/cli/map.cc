@@ -374,8 +374,7 @@ MapInput scan_input(const MapArguments& arguments, const PerceptionOptions& perc
 PerceptionOptions perception_of(const MapArguments& arguments, ConfigurationUse use) {
   PerceptionOptions perception;
   perception.mapping.resolution = 0.05;
-  return read_perception(arguments.configuration.file, arguments.configuration.settings(),
-                         perception, use);
+  return read_told_perception(arguments.configuration, perception, use);
 }
 
 int map(const MapArguments& arguments, SignalGuard& signals) {

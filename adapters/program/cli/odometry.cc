@@ -150,9 +150,7 @@ void print(const OdometrySummary& s, bool truth) {
 
 int odometry(const OdometryArguments& arguments, SignalGuard& signals) {
   const StereoOdometryOptions options =
-      read_perception(arguments.configuration.file, arguments.configuration.settings(), {},
-                      ConfigurationUse::kOdometry)
-          .odometry;
+      read_told_perception(arguments.configuration, {}, ConfigurationUse::kOdometry).odometry;
   Progress progress(arguments.quiet);
   progress.show("reading " + arguments.dataset);
   const StereoDataset dataset = StereoDataset::open(arguments.dataset, arguments.options);

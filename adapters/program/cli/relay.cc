@@ -59,9 +59,7 @@ int relay(const RelayArguments& arguments, const Registries& registries, SignalG
       arguments.ros,
       ros_arguments(arguments.ros_arguments.remap, arguments.ros_arguments.parameters));
   BaseLimits& limits = options.command.limits;
-  complete_limits(limits,
-                  read_configuration(arguments.configuration.file, registries,
-                                     arguments.configuration.settings(), ConfigurationUse::kRelay));
+  complete_limits(limits, read_told(arguments.configuration, registries, ConfigurationUse::kRelay));
   signals.note();  // the motors are told to stop
   // Before it starts threads, which pass commands on.
   const RealtimePriority first(DriverOptions().priority, RealtimePriority::Started::kLikewise);

@@ -149,8 +149,12 @@ Configuration other_configuration(const RecordedRun& run, const ReplayArguments&
                        "sensors of a replay are those recorded");
     }
   }
-  return configuration_from_text(run.configuration, run.source + ": configuration", registries,
-                                 settings);
+  Configuration other = configuration_from_text(run.configuration, run.source + ": configuration",
+                                                registries, settings);
+  // What was recorded is nobody's to mend.
+  std::erase_if(other.notices, [](const auto& notice) { return !notice.starts_with("--set "); });
+  tell_notices(other.notices);
+  return other;
 }
 
 /// Where table and page go.

@@ -197,8 +197,7 @@ void print_table(const BenchProblem& named, const std::vector<std::pair<std::str
 
 int solve(const SolveArguments& arguments, const Registries& registries, SignalGuard& signals) {
   const Configuration configuration =
-      read_configuration(arguments.configuration.file, registries,
-                         arguments.configuration.settings(), ConfigurationUse::kExplore);
+      read_told(arguments.configuration, registries, ConfigurationUse::kExplore);
   std::vector<std::string> names = arguments.solvers;
   if (names.empty()) names = {"ipopt", "nlopt:LD_SLSQP", "nlopt:LD_LBFGS", "sampling"};
   const std::vector<SolverChoice> solvers = choose_solvers(names, registries.solvers);

@@ -6,6 +6,7 @@
 #include <memory>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "adapters/formats/files/content_hash.h"
@@ -17,6 +18,7 @@
 #include "adapters/program/cli/build_info.h"
 #include "adapters/program/cli/commands.h"
 #include "adapters/program/cli/common_options.h"
+#include "adapters/program/cli/configuration_arguments.h"
 #include "adapters/program/cli/interrupt.h"
 #include "adapters/program/cli/progress.h"
 
@@ -133,6 +135,12 @@ int study(const StudyArguments& arguments, const Registries& registries, SignalG
   const StudyPlan plan = plan_study(read, registries, program_of(build, arguments.plugins),
                                     [&](const std::string& what) { progress.show(what); });
   progress.finish();
+  std::vector<std::string> notices;
+  for (const StudySetup& setup : plan.setups) {
+    const std::vector<std::string>& told = setup.configuration.notices;
+    notices.insert(notices.end(), told.begin(), told.end());
+  }
+  tell_notices(std::move(notices));
   for (const StudySetup& setup : plan.setups) {
     if (tell_if_absent(plan.solver(setup), registries.solvers)) return kNotBuiltIn;
   }

@@ -533,8 +533,13 @@ void bind_configuration(py::module_& m) {
       m, "Configuration", "Everything that can be set of a robot, its planner and a mission.")
       .def(py::init([](const std::filesystem::path& path, const py::dict& settings,
                        const std::shared_ptr<Registries>& registries) {
-             return std::make_shared<Configuration>(read_configuration(
+             auto configuration = std::make_shared<Configuration>(read_configuration(
                  path.string(), registries ? *registries : Registries(), settings_of(settings)));
+             for (const std::string& notice : configuration->notices) {
+               if (PyErr_WarnEx(PyExc_DeprecationWarning, notice.c_str(), 1) < 0)
+                 throw py::error_already_set();
+             }
+             return configuration;
            }),
            py::arg("path") = "", py::arg("settings") = py::dict(),
            py::arg("registries") = py::none(),

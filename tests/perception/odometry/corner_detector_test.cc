@@ -74,9 +74,9 @@ TEST(CornerDetector, TheFloorIsInVariancesOfTheNoise) {
   const double strength = 0.5 * std::pow(a * std::sin(k) / noise, 2);
   CornerDetectorOptions options;
   options.cells = 4;
-  options.min_strength = 0.95 * strength;
+  options.min_strength_over_noise = 0.95 * strength;
   EXPECT_FALSE(detect_corners(waves.view(), {}, options).empty());
-  options.min_strength = 1.05 * strength;
+  options.min_strength_over_noise = 1.05 * strength;
   EXPECT_TRUE(detect_corners(waves.view(), {}, options).empty());
 }
 
@@ -110,7 +110,7 @@ TEST(CornerDetector, ACornerIsTheSameWhateverOtherCellsHold) {
   for (auto& p : image.pixels) p = static_cast<std::uint8_t>(generator() >> 24);
   CornerDetectorOptions options;
   options.cells = 48;
-  options.min_strength = 0.0;
+  options.min_strength_over_noise = 0.0;
   const auto all = detect_corners(image.view(), {}, options);
   const auto cell = static_cast<float>(corner_cell(320, 240, options));
   ASSERT_GT(all.size(), 20u);

@@ -286,8 +286,8 @@ TEST(KnobMembers, EveryNumberAndSwitchIsAKnob) {
   }
   {
     CornerDetectorOptions o;
-    [[maybe_unused]] auto& [cells, min_strength, border] = o;
-    EXPECT_KNOBS(o, cells, min_strength, border);
+    [[maybe_unused]] auto& [cells, min_strength_over_noise, border] = o;
+    EXPECT_KNOBS(o, cells, min_strength_over_noise, border);
   }
   {
     StereoMatcherOptions o;

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,7 @@ namespace prospect::renamed_keys_test {
 namespace {
 
 using ::testing::ElementsAre;
+using ::testing::IsEmpty;
 using ::testing::StartsWith;
 
 std::vector<std::string> refusals(const std::string& yaml,
@@ -26,9 +28,9 @@ std::vector<std::string> refusals(const std::string& yaml,
   return {};
 }
 
-/// "a.b.c" as "a: {b: {c: 1}}".
-std::string nested(std::string key) {
-  std::string end = ": 1";
+/// "a.b.c" as "a: {b: {c: VALUE}}".
+std::string nested(std::string key, const std::string& value) {
+  std::string end = ": " + value;
   for (std::size_t dot; (dot = key.find('.')) != std::string::npos;) {
     key = key.substr(0, dot) + ": {" + key.substr(dot + 1);
     end += '}';
@@ -36,7 +38,14 @@ std::string nested(std::string key) {
   return key + end;
 }
 
-TEST(RenamedKeys, EachIsRefusedWithTheNameItHasNow) {
+const ConfigEntry& entry_of(const Configuration& configuration, const std::string& path) {
+  const auto entry = std::find_if(configuration.entries.begin(), configuration.entries.end(),
+                                  [&](const ConfigEntry& e) { return e.path == path; });
+  if (entry == configuration.entries.end()) throw std::out_of_range(path);
+  return *entry;
+}
+
+TEST(RenamedKeys, EachIsReadByItsNewNameAndSaysSo) {
   const std::vector<ConfigEntry> keys = read_configuration("").entries;
   for (const RenamedKey& renamed : renamed_keys()) {
     const auto before_of = [&](const ConfigEntry& e) {
@@ -55,25 +64,53 @@ TEST(RenamedKeys, EachIsRefusedWithTheNameItHasNow) {
     ASSERT_NE(now, keys.end()) << renamed.now << " is no key";
     const std::string before = before_of(*now);
     for (const ConfigEntry& e : keys) EXPECT_NE(e.path, before);
-    const std::string told = before + " is " + now->path + " now; expected that";
-    EXPECT_THAT(refusals(nested(before), {}), ElementsAre("f.yaml:1: " + told));
-    EXPECT_THAT(refusals("", {before + "=1"}), ElementsAre("--set " + before + "=1: " + told));
+    const std::string told =
+        before + " is " + now->path + " now; it is read as that for one version more";
+    const std::string value = now->default_value;
+    const Configuration file = configuration_from_text(nested(before, value), "f.yaml", {}, {});
+    EXPECT_THAT(file.notices, ElementsAre("f.yaml:1: " + told));
+    EXPECT_EQ(entry_of(file, now->path).where, "f.yaml:1");
+    const std::string set = before + "=" + value;
+    const Configuration setting = configuration_from_text("", "f.yaml", {}, {set});
+    EXPECT_THAT(setting.notices, ElementsAre("--set " + set + ": " + told));
+    EXPECT_EQ(entry_of(setting, now->path).where, "--set " + set);
   }
 }
 
 TEST(RenamedKeys, WhatIsLeftOfAMappingIsRead) {
+  const Configuration c = configuration_from_text(
+      "simulator:\n  camera:\n    odometry: {corners: {cells: 9,\n      border: 7}}\n"
+      "    exposure: 2\nperception: {odometry: {corners: {min_strength_over_noise: 2}}}\n",
+      "f.yaml", {}, {});
+  EXPECT_EQ(c.notices.size(), 2u);
+  EXPECT_EQ(entry_of(c, "perception.odometry.corners.cells").value, "9");
+  EXPECT_EQ(entry_of(c, "perception.odometry.corners.border").where, "f.yaml:4");
+  EXPECT_EQ(entry_of(c, "perception.odometry.corners.min_strength_over_noise").value, "2");
+  EXPECT_EQ(entry_of(c, "simulator.camera.exposure").value, "2");
+  EXPECT_THAT(refusals("drive: {perception: {}}", {}), IsEmpty());
+}
+
+TEST(RenamedKeys, OfBothNamesTheLaterSettingCounts) {
+  const auto retreat = [](const std::string& yaml, const std::vector<YamlSetting>& settings) {
+    return entry_of(configuration_from_text(yaml, "f.yaml", {}, settings),
+                    "planner.recovery.retreat_time")
+        .value;
+  };
+  EXPECT_EQ(retreat("planner: {recovery: {time: 3}}", {"planner.recovery.retreat_time=4"}), "4");
+  EXPECT_EQ(retreat("planner: {recovery: {retreat_time: 3}}", {"planner.recovery.time=4"}), "4");
+  EXPECT_EQ(retreat("", {"planner.recovery.time=4", "planner.recovery.retreat_time=5"}), "5");
+  EXPECT_EQ(retreat("", {"planner.recovery.retreat_time=5", "planner.recovery.time=4"}), "4");
+  EXPECT_EQ(retreat("planner: {recovery: {retreat_time: 3}}", {"planner={recovery: {time: 4}}"}),
+            "4");
   EXPECT_THAT(
-      refusals("simulator:\n  camera:\n    odometry: {corners: {cells: 9,\n      border: 1}}\n"
-               "    exposure: 200\n",
-               {}),
-      ElementsAre(
-          "f.yaml:3: simulator.camera.odometry.corners.cells is perception.odometry.corners.cells "
-          "now; expected that",
-          "f.yaml:4: simulator.camera.odometry.corners.border is "
-          "perception.odometry.corners.border now; expected that",
-          StartsWith("f.yaml:5: simulator.camera.exposure: is '200'")));
-  EXPECT_THAT(refusals("drive: {perception: {}}", {}),
-              ElementsAre("f.yaml:1: drive.perception is perception now; expected that"));
+      refusals("planner:\n  recovery:\n    retreat_time: 3\n    time: 4", {}),
+      ElementsAre("f.yaml:4: planner.recovery.time is planner.recovery.retreat_time now, and "
+                  "f.yaml:3 tells that too; expected one of them"));
+}
+
+TEST(RenamedKeys, AWrongValueIsRefusedByTheNewName) {
+  EXPECT_THAT(refusals("\nplanner: {recovery: {time: fast}}", {}),
+              ElementsAre(StartsWith("f.yaml:2: planner.recovery.retreat_time: is 'fast'")));
 }
 
 TEST(GoneKeys, AreReadWithTheirDefaultAndRefusedWithAnother) {
