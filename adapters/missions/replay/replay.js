@@ -3,6 +3,32 @@ const replay = JSON.parse($("replay").textContent);
 const steps = replay.steps;
 let shown = 0;
 
+// ---- What differs -----------------------------------------------------------------------------------
+// Between the ends of both plans [m]; of a plan without a path, 0 beside another without one.
+function apart(s) {
+  const a = s.a.path, b = s.b.path;
+  if (!a.length || !b.length) return a.length === b.length ? 0 : NaN;
+  return Math.hypot(a.at(-2) - b.at(-2), a.at(-1) - b.at(-1));
+}
+const same = (s) => s.a.kind === s.b.kind && s.a.mode === s.b.mode && s.a.path.length === s.b.path.length && s.a.path.every((v, k) => v === s.b.path[k]);
+const differing = steps.flatMap((s, k) => (same(s) ? [] : [k]));
+// The farthest apart first.
+const most = [...differing].sort((x, y) => (apart(steps[y]) || 0) - (apart(steps[x]) || 0) || x - y);
+const middle = (values) => {
+  const sorted = values.filter(isNumber).sort((a, b) => a - b), n = sorted.length;
+  return n ? (sorted[(n - 1) >> 1] + sorted[n >> 1]) / 2 : NaN;
+};
+function sum() {
+  if (!steps.length) return "No step was planned anew.";
+  if (!differing.length) return `The plans of all ${plural(steps.length, "step")} are the same.`;
+  const far = steps[most[0]], count = (what) => steps.filter((s) => s.a[what] !== s.b[what]).length;
+  const ofKind = [["mode", count("mode")], ["kind of plan", count("kind")]].filter(([, n]) => n > 0).map(([what, n]) => `another ${what} in ${n}`);
+  return [`Of ${plural(steps.length, "step")}, ${differing.length} ${differing.length === 1 ? "is" : "are"} planned otherwise, the first at ${fixed(steps[differing[0]].t, 1)} s`,
+    isNumber(apart(far)) ? `; the plans end ${fixed(middle(steps.map(apart)), 2)} m apart in the median, at most ${fixed(apart(far), 2)} m, in step ${far.step}` : "",
+    ...ofKind.map((text) => `; ${text}`),
+    `. Planning takes ${fixed(middle(steps.map((s) => s.a.ms)), 1)} ms as recorded, ${fixed(middle(steps.map((s) => s.b.ms)), 1)} ms by the other, in the median.`].join("");
+}
+
 // ---- Map ------------------------------------------------------------------------------------------
 const canvas = $("map"), pen = canvas.getContext("2d");
 const box = { x0: Infinity, x1: -Infinity, y0: Infinity, y1: -Infinity };
@@ -91,12 +117,18 @@ function plot(title, labels, values, colors) {
     clickCallback: (e, time) => show(steps.reduce((best, s, k) => (Math.abs(s.t - time) < Math.abs(steps[best].t - time) ? k : best), 0)),
   }));
 }
+function showDiffering() {
+  for (const button of $("most").children) button.setAttribute("aria-pressed", String(+button.dataset.step === shown));
+  $("before").disabled = !differing.some((k) => k < shown);
+  $("after").disabled = !differing.some((k) => k > shown);
+}
 function show(step) {
   shown = Math.min(Math.max(0, step), steps.length - 1);
   $("slider").value = shown;
   $("clock").textContent = steps.length ? `${fixed(steps[shown].t, 1)} s, step ${steps[shown].step}` : "";
   draw();
   if (steps.length) table();
+  showDiffering();
   for (const g of plots) g.updateOptions({});
 }
 const pair = [replay.recorded, replay.other + ", open loop"], pairColors = ["--estimated", "--horizon"];
@@ -107,11 +139,16 @@ if (steps.length) {
   plot("Features predicted for the end of the committed part, and tracked there by the recorded mission", [...pair, "tracked"],
     (s, k) => [s.a.features, s.b.features, k + 1 < steps.length ? steps[k + 1].tracked : null], [...pairColors, "--true"]);
   plot("Planning [ms]", pair, (s) => [s.a.ms, s.b.ms], pairColors);
-  plot("Distance between the ends of both plans [m]", ["apart"], (s) => {
-    if (!s.a.path.length || !s.b.path.length) return [null];
-    return [Math.hypot(s.a.path.at(-2) - s.b.path.at(-2), s.a.path.at(-1) - s.b.path.at(-1))];
-  }, ["--accent"]);
+  plot("Distance between the ends of both plans [m]", ["apart"], (s) => [apart(s)], ["--accent"]);
 }
+$("sum").textContent = sum();
+for (const k of most.slice(0, 6)) {
+  const button = make("button", { "data-step": k }, `step ${steps[k].step}: ${isNumber(apart(steps[k])) ? `${fixed(apart(steps[k]), 2)} m apart` : "one plan alone"}`);
+  button.addEventListener("click", () => show(k));
+  $("most").append(button);
+}
+$("before").addEventListener("click", () => show(differing.findLast((k) => k < shown) ?? shown));
+$("after").addEventListener("click", () => show(differing.find((k) => k > shown) ?? shown));
 addEventListener("resize", draw);
 dark.addEventListener("change", () => show(shown));
-show(0);
+show(most[0] ?? 0);

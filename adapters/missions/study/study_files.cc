@@ -48,8 +48,9 @@ StudyFiles write_study(const StudyPlan& plan, const CellStore& store, const Regi
   const std::vector<StudyFigure> figures =
       study_figures(plan, store, rows, comparisons, registries);
   for (const StudyFigure& figure : figures) {
-    write(fs::path("figures") / (figure.name + ".svg"), figure.drawing.svg());
-    write(fs::path("figures") / (figure.name + ".png"), figure.drawing.png());
+    for (const std::string& format : gathering.formats) {
+      write(fs::path("figures") / (figure.name + '.' + format), written(figure.drawing, format));
+    }
   }
   write("study.html", study_page(plan, rows, comparisons, figures));
   if (gathering.steps) {

@@ -19,10 +19,11 @@ struct StudyFiles {
 struct StudyGathering {
   bool steps = false;        ///< steps.h5, too: every column of every run's steps.csv
   bool any_version = false;  ///< other versions' missions stand for those that are not done
+  std::vector<std::string> formats = {"svg", "png"};  ///< of figures, of drawing_formats()
 };
 
 /// Writes what the cells of a study show into its folder: results.csv, study.html,
-/// figures/NAME.svg and .png. Each file appears whole or not at all. Throws InputError, also for
+/// figures/NAME in each format. Each file appears whole or not at all. Throws InputError, also for
 /// steps and other versions of benches, which have none.
 StudyFiles write_study(const StudyPlan& plan, const CellStore& store, const Registries& registries,
                        const StudyGathering& gathering);

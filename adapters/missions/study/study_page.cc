@@ -7,8 +7,10 @@
 #include <set>
 
 #include "adapters/missions/study/study_assets.h"
+#include "adapters/missions/study/study_drawing.h"
 #include "adapters/views/page/html_page.h"
 #include "adapters/views/page/page_assets.h"
+#include "adapters/views/report/run_figure.h"
 
 namespace prospect {
 namespace {
@@ -31,13 +33,15 @@ std::string p_text(double p) { return p < 0.001 ? "&lt; 0.001" : fixed(p, 3); }
 /// Below what a p value of `count` of them is beyond chance (Bonferroni).
 double corrected_limit(std::size_t count) { return 0.05 / static_cast<double>(count); }
 
-std::string comparison_table(const StudyComparison& c) {
+/// The chief numbers, or all.
+std::string comparison_table(const StudyComparison& c, bool all) {
   std::string html =
       "<div class=\"scroll\"><table class=\"numbers\"><thead><tr><th></th>"
       "<th>reference, median</th><th>other, median</th><th>pairs</th>"
       "<th>mean difference [95 %]</th><th>ratio of means [95 %]</th><th>p</th></tr>"
       "</thead><tbody>";
   for (const NumberComparison& n : c.numbers) {
+    if (!all && !n.number->chief) continue;
     const int digits = n.number->digits;
     const bool sure = n.pairs > 0 && n.p < corrected_limit(c.numbers.size());
     html += std::string("<tr") + (sure ? " class=\"sure\"" : "") + "><th>" +
@@ -61,8 +65,9 @@ std::string comparison_table(const StudyComparison& c) {
 /// Ratios of the chief numbers in each world or set.
 std::string input_table(const std::vector<StudyComparison>& inputs, bool benches) {
   if (inputs.empty()) return "";
-  std::string html = std::string("<h3>Ratio of means by ") + (benches ? "set" : "world") +
-                     "</h3><div class=\"scroll\"><table "
+  std::string html = std::string("<details><summary>Ratio of means by ") +
+                     (benches ? "set" : "world") +
+                     "</summary><div class=\"scroll\"><table "
                      "class=\"numbers\"><thead><tr><th></th><th>pairs</th>";
   for (const NumberComparison& n : inputs.front().numbers) {
     if (n.number->chief) html += "<th>" + escape_html(n.number->label) + "</th>";
@@ -77,7 +82,7 @@ std::string input_table(const std::vector<StudyComparison>& inputs, bool benches
     }
     html += "</tr>";
   }
-  return html + "</tbody></table></div>";
+  return html + "</tbody></table></div></details>";
 }
 
 std::string setup_table(const StudyPlan& plan, const std::vector<StudyRow>& rows) {
@@ -161,14 +166,19 @@ std::string study_page(const StudyPlan& plan, const std::vector<StudyRow>& rows,
   for (const StudyComparison& c : comparisons) {
     compared += "<section class=\"card\"><h2>" + escape_html(c.label) +
                 (c.among.empty() ? "" : " <em>" + escape_html(c.among) + "</em>") + " <em>" +
-                std::to_string(c.pairs.size()) + " pairs</em></h2>" + comparison_table(c) +
-                input_table(by_input(plan, c), benches) + "</section>";
+                std::to_string(c.pairs.size()) + " pairs</em></h2>" + comparison_table(c, false) +
+                "<details><summary>All " + std::to_string(c.numbers.size()) + " numbers</summary>" +
+                comparison_table(c, true) + "</details>" + input_table(by_input(plan, c), benches) +
+                "</section>";
   }
-  std::string pictures;
+  Drawing::PageColors colors = study_drawing::page_colors();
+  colors.merge(figure_page_colors());
+  std::string pictures, against;
   for (const StudyFigure& figure : figures) {
-    pictures += "<figure class=\"card\">" + figure.drawing.svg() + "<figcaption>" +
-                escape_html(figure.caption) + " <small>figures/" + escape_html(figure.name) +
-                ".svg, .png</small></figcaption></figure>";
+    std::string& shelf = figure.name.starts_with("against_") ? against : pictures;
+    shelf += "<figure class=\"card\">" + figure.drawing.svg(colors) + "<figcaption>" +
+             escape_html(figure.caption) + " <small>figures/" + escape_html(figure.name) +
+             "</small></figcaption></figure>";
   }
   return fill_page(
       study_assets::study_html(),
@@ -183,6 +193,7 @@ std::string study_page(const StudyPlan& plan, const std::vector<StudyRow>& rows,
                 : "Pairs share world and seed; a pair lacks a number if either mission does."},
        {"{{setups}}", setup_table(plan, rows)},
        {"{{comparisons}}", compared},
+       {"{{against}}", against.empty() ? "" : "<section class=\"wide\">" + against + "</section>"},
        {"{{figures}}", pictures},
        {"{{failures}}", failures(plan, rows)}});
 }

@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "adapters/formats/files/input_error.h"
+#include "adapters/views/report/drawing.h"
 #include "models/nearest_name.h"
 
 namespace prospect {
@@ -64,6 +65,15 @@ void add_plugins(CLI::App* command, std::vector<std::string>& plugins) {
                    "Shared library with further back ends, terms or problems; may be given "
                    "several times")
       ->type_name("FILE")
+      ->allow_extra_args(false);
+}
+
+CLI::Option* add_figure_formats(CLI::App* command, std::vector<std::string>& formats) {
+  return one_of(command->add_option("--format", formats,
+                                    "Of the figures, separated by commas; pgf: for LaTeX [" +
+                                        CLI::detail::join(formats, ",") + "]"),
+                drawing_formats())
+      ->delimiter(',')
       ->allow_extra_args(false);
 }
 

@@ -22,6 +22,8 @@ CLI::Validator whole_number_within(std::uint64_t min, std::uint64_t max);
 void add_clock(CLI::App* command, SolveClock& clock);
 /// --plugin FILE.
 void add_plugins(CLI::App* command, std::vector<std::string>& plugins);
+/// --format: in which forms figures are written.
+CLI::Option* add_figure_formats(CLI::App* command, std::vector<std::string>& formats);
 /// Topics of a bag as USE=TOPIC, separated by commas.
 void add_topics(CLI::App* command, std::map<std::string, std::string>& topics,
                 const std::vector<std::string>& uses);

@@ -97,8 +97,11 @@ int report(const ReportArguments& arguments, const Registries& registries, Signa
   // All of them before the first is written.
   std::vector<std::pair<std::string, std::string>> files;
   const auto add = [&](const std::string& name, const Drawing& drawing) {
-    if (has(arguments.formats, "png")) files.emplace_back(name + ".png", drawing.png());
-    if (has(arguments.formats, "svg")) files.emplace_back(name + ".svg", drawing.svg());
+    for (const std::string& format : drawing_formats()) {
+      if (has(arguments.formats, format)) {
+        files.emplace_back(name + '.' + format, written(drawing, format));
+      }
+    }
   };
   if (path) add("path", path_figure(source.map ? &*source.map : nullptr, *source.path));
   if (map) add("map", map_figure(*source.map));
@@ -129,10 +132,7 @@ Command report_command(CLI::App& program) {
          {"path", "map"})
       ->delimiter(',')
       ->allow_extra_args(false);
-  one_of(command->add_option("--format", arguments.formats, "png, svg or both [png,svg]"),
-         {"png", "svg"})
-      ->delimiter(',')
-      ->allow_extra_args(false);
+  add_figure_formats(command, arguments.formats);
   one_of(command->add_option("--colour", arguments.color, "What the path's colour says [plain]"),
          path_colors());
   command->add_option("--out", arguments.out, "Folder to write to [that of the run or log]")

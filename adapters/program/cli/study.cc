@@ -35,6 +35,7 @@ struct StudyArguments {
   bool gather = false;
   bool steps = false;        ///< with gather: steps.h5, too
   bool any_version = false;  ///< with gather: other versions' missions for what is missing
+  std::vector<std::string> formats = StudyGathering().formats;  ///< with gather: of figures
   bool quiet = false;
   std::vector<std::string> plugins;  ///< files, as given
   std::vector<std::string> program;  ///< words that start this program anew
@@ -159,7 +160,8 @@ int study(const StudyArguments& arguments, const Registries& registries, SignalG
   if (!arguments.gather) signals.note();  // what is gathered is there the next time, too
   const CellStore store(folder, read.kind);
   if (arguments.gather) {
-    return gather(plan, store, registries, {arguments.steps, arguments.any_version});
+    return gather(plan, store, registries,
+                  {arguments.steps, arguments.any_version, arguments.formats});
   }
   StudyRunOptions options;
   options.shard = shard;
@@ -235,6 +237,7 @@ Command study_command(CLI::App& program) {
       ->add_flag("--steps", arguments.steps,
                  "With --gather: steps.h5, too, with every column of every run")
       ->needs(gather);
+  add_figure_formats(command, arguments.formats)->needs(gather);
   command->add_flag("--quiet", arguments.quiet, "No progress line");
   return {command, [given](const Invocation& in) {
             given->plugins = in.plugins;

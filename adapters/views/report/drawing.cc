@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
+#include "adapters/formats/files/printable_text.h"
 #include "adapters/formats/images/image_codec.h"
 
 namespace prospect {
@@ -20,16 +21,6 @@ constexpr double kHalo = 0.3;            // of a font's size, around its strokes
 constexpr double kHersheyHeight = 21.0;  // of a capital at scale 1 [px]
 constexpr int kFont = cv::FONT_HERSHEY_SIMPLEX;
 
-/// A length or place in the file: to a hundredth of a point, short.
-std::string coordinate(double value) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.2f", value);
-  std::string short_text = text;
-  while (short_text.back() == '0') short_text.pop_back();
-  if (short_text.back() == '.') short_text.pop_back();
-  return short_text == "-0" ? "0" : short_text;
-}
-
 std::string escape_xml(const std::string& words) {
   std::string text;
   for (const char c : words) {
@@ -38,15 +29,56 @@ std::string escape_xml(const std::string& words) {
   return text;
 }
 
+/// A '?' for each character that is no ASCII.
 std::string ascii(const std::string& words) {
   std::string text;
-  for (const char c : words) text += c >= ' ' && c <= '~' ? c : '?';
+  for (const char c : words) {
+    if ((static_cast<unsigned char>(c) & 0xc0) == 0x80) continue;
+    text += c >= ' ' && c <= '~' ? c : '?';
+  }
   return text;
+}
+
+/// Characters of UTF-8, of which the words hold nothing else.
+std::size_t letters(const std::string& words) {
+  return static_cast<std::size_t>(std::count_if(words.begin(), words.end(), [](char c) {
+    return (static_cast<unsigned char>(c) & 0xc0) != 0x80;
+  }));
 }
 
 cv::Scalar bgr(Color c) { return {double(c.blue), double(c.green), double(c.red)}; }
 
+/// On one line, whatever the words hold.
+std::string printable_line(const std::string& words) {
+  std::string text = printable(words);
+  for (char& c : text) {
+    if (c == '\n' || c == '\t') c = '?';
+  }
+  return text;
+}
+
 }  // namespace
+
+std::string coordinate_text(double points) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.2f", points);
+  std::string short_text = text;
+  while (short_text.back() == '0') short_text.pop_back();
+  if (short_text.back() == '.') short_text.pop_back();
+  return short_text == "-0" ? "0" : short_text;
+}
+
+const std::vector<std::string>& drawing_formats() {
+  static const std::vector<std::string> formats = {"svg", "png", "pdf", "pgf"};
+  return formats;
+}
+
+std::string written(const Drawing& drawing, const std::string& format) {
+  return format == "png"   ? drawing.png()
+         : format == "pdf" ? drawing.pdf()
+         : format == "pgf" ? drawing.pgf()
+                           : drawing.svg();
+}
 
 void Drawing::rectangles(std::vector<Rectangle> areas, Color color) {
   Shape shape{Shape::Kind::kRectangles, std::move(areas), {}, "", color, {}};
@@ -67,18 +99,24 @@ void Drawing::circle(Point center, double radius, Color fill, Color edge, double
 }
 
 void Drawing::text(const std::string& words, Point at, double size, Color color, Anchor anchor) {
-  Shape shape{Shape::Kind::kText, {}, {at}, ascii(words), color, {}};
+  Shape shape{Shape::Kind::kText, {}, {at}, printable_line(words), color, {}};
   shape.width = size;
   shape.anchor = anchor;
   shapes_.push_back(std::move(shape));
 }
 
 double Drawing::text_width(const std::string& words, double size) {
-  return kLetterWidth * size * static_cast<double>(words.size());
+  return kLetterWidth * size * static_cast<double>(letters(words));
 }
 
-std::string Drawing::svg() const {
-  const std::string w = coordinate(width_), h = coordinate(height_);
+std::string Drawing::svg(const PageColors& in_page) const {
+  const auto tint = [&](Color color) {
+    const std::string text = hex(color);
+    const auto other = in_page.find(text);
+    return other == in_page.end() ? text : other->second;
+  };
+  const std::string paper = tint({255, 255, 255});
+  const std::string w = coordinate_text(width_), h = coordinate_text(height_);
   std::string out =
       "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
       "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" +
@@ -86,36 +124,38 @@ std::string Drawing::svg() const {
       "\" font-family=\"Helvetica, Arial, 'DejaVu Sans', sans-serif\" "
       "stroke-linecap=\"round\" stroke-linejoin=\"round\">\n"
       "<rect width=\"" +
-      w + "\" height=\"" + h + "\" fill=\"#ffffff\"/>\n";
+      w + "\" height=\"" + h + "\" fill=\"" + paper + "\"/>\n";
   for (const Shape& s : shapes_) {
     switch (s.kind) {
       case Shape::Kind::kRectangles:
-        out += "<path shape-rendering=\"crispEdges\" fill=\"" + hex(s.color) + "\" d=\"";
+        out += "<path shape-rendering=\"crispEdges\" fill=\"" + tint(s.color) + "\" d=\"";
         for (const Rectangle& r : s.areas) {
-          out += 'M' + coordinate(r.x) + ' ' + coordinate(r.y) + 'h' + coordinate(r.width) + 'v' +
-                 coordinate(r.height) + 'h' + coordinate(-r.width) + 'z';
+          out += 'M' + coordinate_text(r.x) + ' ' + coordinate_text(r.y) + 'h' +
+                 coordinate_text(r.width) + 'v' + coordinate_text(r.height) + 'h' +
+                 coordinate_text(-r.width) + 'z';
         }
         out += "\"/>\n";
         break;
       case Shape::Kind::kLine:
-        out += "<polyline fill=\"none\" stroke=\"" + hex(s.color) + "\" stroke-width=\"" +
-               coordinate(s.width) + "\" points=\"";
-        for (const Point& p : s.points) out += coordinate(p.x()) + ',' + coordinate(p.y()) + ' ';
+        out += "<polyline fill=\"none\" stroke=\"" + tint(s.color) + "\" stroke-width=\"" +
+               coordinate_text(s.width) + "\" points=\"";
+        for (const Point& p : s.points)
+          out += coordinate_text(p.x()) + ',' + coordinate_text(p.y()) + ' ';
         out.back() = '"';
         out += "/>\n";
         break;
       case Shape::Kind::kCircle:
-        out += "<circle cx=\"" + coordinate(s.points[0].x()) + "\" cy=\"" +
-               coordinate(s.points[0].y()) + "\" r=\"" + coordinate(s.radius) + "\" fill=\"" +
-               hex(s.color) + "\" stroke=\"" + hex(s.edge) + "\" stroke-width=\"" +
-               coordinate(s.width) + "\"/>\n";
+        out += "<circle cx=\"" + coordinate_text(s.points[0].x()) + "\" cy=\"" +
+               coordinate_text(s.points[0].y()) + "\" r=\"" + coordinate_text(s.radius) +
+               "\" fill=\"" + tint(s.color) + "\" stroke=\"" + tint(s.edge) + "\" stroke-width=\"" +
+               coordinate_text(s.width) + "\"/>\n";
         break;
       case Shape::Kind::kText:
-        out += "<text x=\"" + coordinate(s.points[0].x()) + "\" y=\"" +
-               coordinate(s.points[0].y()) + "\" font-size=\"" + coordinate(s.width) +
-               "\" fill=\"" + hex(s.color) +
-               "\" stroke=\"#ffffff\" paint-order=\"stroke\" stroke-width=\"" +
-               coordinate(kHalo * s.width) + "\" text-anchor=\"" +
+        out += "<text x=\"" + coordinate_text(s.points[0].x()) + "\" y=\"" +
+               coordinate_text(s.points[0].y()) + "\" font-size=\"" + coordinate_text(s.width) +
+               "\" fill=\"" + tint(s.color) + "\" stroke=\"" + paper +
+               "\" paint-order=\"stroke\" stroke-width=\"" + coordinate_text(kHalo * s.width) +
+               "\" text-anchor=\"" +
                (s.anchor == Anchor::kLeft     ? "start"
                 : s.anchor == Anchor::kCenter ? "middle"
                                               : "end") +
@@ -167,18 +207,19 @@ std::string Drawing::png(double dots_per_inch) const {
         break;
       }
       case Shape::Kind::kText: {
+        const std::string words = ascii(s.words);
         const double size = scale * s.width * kCapHeight / kHersheyHeight;
         const int stroke = pixels(kStroke * s.width);
         int below = 0;
-        const cv::Size box = cv::getTextSize(s.words, kFont, size, stroke, &below);
+        const cv::Size box = cv::getTextSize(words, kFont, size, stroke, &below);
         const double left = s.anchor == Anchor::kLeft     ? 0.0
                             : s.anchor == Anchor::kCenter ? 0.5 * box.width
                                                           : box.width;
         const cv::Point base(static_cast<int>(std::lround(scale * s.points[0].x() - left)),
                              static_cast<int>(std::lround(scale * s.points[0].y())));
-        cv::putText(image, s.words, base, kFont, size, cv::Scalar(255, 255, 255),
+        cv::putText(image, words, base, kFont, size, cv::Scalar(255, 255, 255),
                     stroke + pixels(kHalo * s.width), cv::LINE_AA);
-        cv::putText(image, s.words, base, kFont, size, bgr(s.color), stroke, cv::LINE_AA);
+        cv::putText(image, words, base, kFont, size, bgr(s.color), stroke, cv::LINE_AA);
         break;
       }
     }

@@ -18,7 +18,21 @@ constexpr std::pair<ModeKind, Color> kModes[] = {
     {ModeKind::kGoToGoal, {0x03, 0x69, 0xa1}},      {ModeKind::kReturn, {0x4d, 0x7c, 0x0f}},
     {ModeKind::kArrive, {0x15, 0x5e, 0x75}},        {ModeKind::kHold, {0x85, 0x4d, 0x0e}}};
 constexpr Color kSpare[] = {{0x9f, 0x12, 0x39}, {0x86, 0x19, 0x8f}};
-constexpr double kEndOnWhite = 0.8;
+constexpr double kEndOnWhite = 0.8, kBeginOnDark = 0.3;
+
+/// Of the scale from share `from` to `to`.
+Color shade(double from, double to, double t) {
+  const std::vector<Color>& colors = scale_colors();
+  const double share = std::isfinite(t) ? std::clamp(t, 0.0, 1.0) : t > 0.0 ? 1.0 : 0.0;
+  const double at = (from + share * (to - from)) * static_cast<double>(colors.size() - 1);
+  const auto low = static_cast<std::size_t>(at);
+  const double part = at - static_cast<double>(low);
+  const Color a = colors[low], b = colors[std::min(low + 1, colors.size() - 1)];
+  const auto mix = [part](std::uint8_t first, std::uint8_t second) {
+    return static_cast<std::uint8_t>(std::lround(first + part * (second - first)));
+  };
+  return {mix(a.red, b.red), mix(a.green, b.green), mix(a.blue, b.blue)};
+}
 
 }  // namespace
 
@@ -36,18 +50,9 @@ const std::vector<Color>& scale_colors() {
   return colors;
 }
 
-Color color_on_white(double t) {
-  const std::vector<Color>& colors = scale_colors();
-  const double share = std::isfinite(t) ? std::clamp(t, 0.0, 1.0) : t > 0.0 ? 1.0 : 0.0;
-  const double at = share * kEndOnWhite * static_cast<double>(colors.size() - 1);
-  const auto low = static_cast<std::size_t>(at);
-  const double part = at - static_cast<double>(low);
-  const Color a = colors[low], b = colors[std::min(low + 1, colors.size() - 1)];
-  const auto mix = [part](std::uint8_t from, std::uint8_t to) {
-    return static_cast<std::uint8_t>(std::lround(from + part * (to - from)));
-  };
-  return {mix(a.red, b.red), mix(a.green, b.green), mix(a.blue, b.blue)};
-}
+Color color_on_white(double t) { return shade(0.0, kEndOnWhite, t); }
+
+Color color_on_dark(double t) { return shade(kBeginOnDark, 1.0, t); }
 
 std::vector<Color> mode_colors(const std::vector<std::string>& modes) {
   std::vector<Color> colors;

@@ -23,6 +23,9 @@ const std::vector<Color>& scale_colors();
 /// out. t is clamped; NaN gives the colour of 0.
 Color color_on_white(double t);
 
+/// The same on a dark ground: the first, dark quarter is left out.
+Color color_on_dark(double t);
+
 /// A colour for each of `modes` (names as in StepRecord), none of them twice unless there are more
 /// unknown names than spare colours. Known names always have the same colour.
 std::vector<Color> mode_colors(const std::vector<std::string>& modes);

@@ -16,6 +16,8 @@ constexpr Color kInk = {0x1a, 0x20, 0x2c}, kFreeGround = {0xe4, 0xe9, 0xf0},
                 kOccupiedGround = {0x2b, 0x34, 0x40}, kPath = {0x25, 0x63, 0xeb},
                 kPaper = {0xff, 0xff, 0xff};
 
+constexpr int kShades = 64, kScaleSteps = 48;  // of a quantity along the path; of its scale
+
 struct Bounds {
   Eigen::Vector2d low = Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity());
   Eigen::Vector2d high = -low;
@@ -189,13 +191,13 @@ Scale path_scale(const ColoredPath& path) {
 }
 
 void draw_scale(Drawing& drawing, const Scale& scale, double y) {
-  constexpr int kSteps = 48;
   constexpr double kLength = 80.0;
   const double right = kColumn - kMargin - 1.0 - Drawing::text_width(scale.to, kSize);
   const double left = right - 4.0 - kLength;
-  for (int i = 0; i < kSteps; ++i) {
-    drawing.rectangles({{left + kLength * i / kSteps, y - 6.0, kLength / kSteps + 0.05, 6.0}},
-                       color_on_white((i + 0.5) / kSteps));
+  for (int i = 0; i < kScaleSteps; ++i) {
+    drawing.rectangles(
+        {{left + kLength * i / kScaleSteps, y - 6.0, kLength / kScaleSteps + 0.05, 6.0}},
+        color_on_white((i + 0.5) / kScaleSteps));
   }
   drawing.text(scale.to, {right, y}, kSize, kInk);
   drawing.text(scale.from, {left - 4.0, y}, kSize, kInk, Drawing::Anchor::kRight);
@@ -213,8 +215,8 @@ void draw_path(Drawing& drawing, const ColoredPath& path, const Placement& at) {
   const auto color = [&](std::size_t k) {
     if (path.by == PathColor::kPlain) return kPath;
     if (path.by == PathColor::kMode) return by_mode[path.modes[k]];
-    // In 64 steps: pieces of one colour are one line.
-    return color_on_white(std::round(64.0 * path.values[k] / end) / 64.0);
+    // Pieces of one shade are one line.
+    return color_on_white(std::round(kShades * path.values[k] / end) / kShades);
   };
   for (const bool halo : {true, false}) {
     std::vector<Drawing::Point> piece;
@@ -306,6 +308,21 @@ Drawing map_figure(const GroundMap& map) {
   for (const Key& key : keys) width += key_width(key);
   draw_keys(drawing, keys, kColumn - kMargin - width, first);
   return drawing;
+}
+
+Drawing::PageColors figure_page_colors() {
+  Drawing::PageColors colors = {{hex(kInk), "var(--ink)"},
+                                {hex(kFreeGround), "var(--figure-free)"},
+                                {hex(kOccupiedGround), "var(--map-occupied)"},
+                                {hex(kPath), "var(--estimated)"},
+                                {hex(kPaper), "var(--surface)"}};
+  const auto add = [&](double t) {
+    const std::string light = hex(color_on_white(t));
+    colors[light] = "light-dark(" + light + ", " + hex(color_on_dark(t)) + ")";
+  };
+  for (int i = 0; i <= kShades; ++i) add(static_cast<double>(i) / kShades);
+  for (int i = 0; i < kScaleSteps; ++i) add((i + 0.5) / kScaleSteps);
+  return colors;
 }
 
 }  // namespace prospect

@@ -27,4 +27,7 @@ Drawing path_figure(const GroundMap* map, const ColoredPath& path);
 /// The map as the robot knew it: free and occupied cells.
 Drawing map_figure(const GroundMap& map);
 
+/// What stands for the colours of both in a page that may be dark (adapters/views/page/page.css).
+Drawing::PageColors figure_page_colors();
+
 }  // namespace prospect

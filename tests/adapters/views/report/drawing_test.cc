@@ -77,12 +77,66 @@ TEST(Drawing, TheSvgIsSoundXml) {
   EXPECT_EQ(sample().png(), sample().png());
 }
 
-TEST(Drawing, WhatIsNoAsciiDoesNotBreakIt) {
+TEST(Drawing, APageMayHaveOtherColours) {
+  const std::string svg = sample().svg({{"#ffffff", "var(--surface)"}, {"#0000c8", "teal"}});
+  EXPECT_THAT(svg, HasSubstr("<rect width=\"100\" height=\"50\" fill=\"var(--surface)\"/>"));
+  EXPECT_THAT(svg, HasSubstr("fill=\"teal\""));
+  EXPECT_THAT(svg, HasSubstr("stroke=\"#c80000\""));
+  EXPECT_THAT(svg, testing::Not(HasSubstr("#ffffff")));
+}
+
+/// Where the table of a PDF says that its objects begin.
+std::vector<std::size_t> object_places(const std::string& pdf) {
+  std::vector<std::size_t> places;
+  std::size_t at = std::stoul(pdf.substr(pdf.find("startxref\n") + 10));
+  EXPECT_EQ(pdf.substr(at, 5), "xref\n");
+  at = pdf.find(" f \n", at) + 4;
+  for (; pdf.compare(at + 16, 4, " n \n") == 0; at += 20) {
+    places.push_back(std::stoul(pdf.substr(at, 10)));
+  }
+  return places;
+}
+
+TEST(Drawing, ThePdfHoldsEachShapeAndItsTableLeadsToItsObjects) {
+  const std::string pdf = sample().pdf();
+  EXPECT_EQ(pdf.rfind("%PDF-1.4\n", 0), 0U);
+  const std::vector<std::size_t> places = object_places(pdf);
+  ASSERT_EQ(places.size(), 5U);
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    EXPECT_EQ(pdf.compare(places[i], 8, std::to_string(i + 1) + " 0 obj\n"), 0) << i;
+  }
+  const std::size_t begin = pdf.find("stream\n") + 7, end = pdf.find("\nendstream");
+  EXPECT_THAT(pdf, HasSubstr("/Length " + std::to_string(end - begin) + " "));
+  EXPECT_THAT(pdf, HasSubstr("/MediaBox [0 0 100 50 ]"));
+  EXPECT_THAT(pdf, HasSubstr("0 0 0.784 rg\n10 10 20 10 re\n30 10 5 5 re\nf\n"));
+  EXPECT_THAT(pdf, HasSubstr("2 w\n60 40 m\n90 40 l\nS\n"));
+  // "a < b & c" in Helvetica: 556 + 278 + 584 + 278 + 556 + 278 + 667 + 278 + 500 thousandths of 6.
+  EXPECT_THAT(pdf, HasSubstr("1 0 0 -1 38.07 48 Tm 0 Tr (a < b & c) Tj"));
+  EXPECT_EQ(pdf, sample().pdf());
+}
+
+TEST(Drawing, ThePgfIsOfShapesInLatex) {
+  const std::string pgf = sample().pgf();
+  EXPECT_THAT(pgf, HasSubstr("\\begin{pgfpicture}%\n"));
+  EXPECT_THAT(pgf, HasSubstr("\\pgfpathrectangle{\\pgfpoint{10bp}{30bp}}{\\pgfpoint{20bp}{10bp}}"));
+  EXPECT_THAT(pgf, HasSubstr("\\pgfpathmoveto{\\pgfpoint{60bp}{10bp}}%\n\\pgfpathlineto"));
+  EXPECT_THAT(pgf, HasSubstr("\\pgfpathcircle{\\pgfpoint{50bp}{25bp}}{4bp}"));
+  EXPECT_THAT(pgf, HasSubstr("a \\ensuremath{<} b \\& c"));
+  Drawing words(10.0, 10.0);
+  words.text("50 %_{x}~^\\#$", {0.0, 5.0}, 6.0, kRed);
+  EXPECT_THAT(words.pgf(), HasSubstr("50 \\%\\_\\{x\\}\\textasciitilde{}\\textasciicircum{}"
+                                     "\\textbackslash{}\\#\\$}"));
+}
+
+TEST(Drawing, NamesAreWholeWhereTheirLettersAre) {
   Drawing drawing(10.0, 10.0);
-  drawing.text("\xff\x01 Ω", {0.0, 5.0}, 6.0, kRed);
-  // In two parts, or the compiler sees a trigraph.
-  EXPECT_THAT(drawing.svg(), HasSubstr(">?? ?"
+  drawing.text("caf\u00e9 (\u03a9)\xff\x01", {0.0, 5.0}, 6.0, kRed);
+  EXPECT_THAT(drawing.svg(), HasSubstr(">caf\u00e9 (\u03a9)?"
                                        "?</text>"));
+  EXPECT_THAT(drawing.pgf(), HasSubstr("caf\u00e9 (\u03a9)?"));
+  EXPECT_THAT(drawing.pdf(), HasSubstr("(caf\xe9 \\(?\\)?"
+                                       "?)"));
+  EXPECT_EQ(Drawing::text_width("\u00e9", 6.0), Drawing::text_width("e", 6.0));
 }
 
 }  // namespace
