@@ -20,6 +20,16 @@ here="$(realpath "$(dirname "${BASH_SOURCE[0]}")")"
 "$root/scripts/site" --out "$work/site" 2>"$work/err" && fail "a site is made over another"
 grep -q "holds something; expected" "$work/err" || fail "a folder that is not empty: $(<"$work/err")"
 
+# Versions beside each other: the one that is here, and an older one with a page less.
+"$root/scripts/site" --out "$work/versions" --version ../x 2>"$work/err" && fail "a version that leads elsewhere passes"
+mkdir -p "$work/versions/0.0.9"
+echo '<p>old' >"$work/versions/0.0.9/index.html"
+"$root/scripts/site" --out "$work/versions" --version 0.0.10 --without-api --report "$work/run/report.html" ||
+  fail "a version of the site is not made"
+grep -q 'url=0.0.10/index.html' "$work/versions/index.html" || fail "the newest version is not led to: $(<"$work/versions/index.html")"
+grep -q '^window.prospectVersions = {"0.0.10": \[.*"index.html".*"0.0.9": \["index.html"\]};$' "$work/versions/versions.js" ||
+  fail "versions: $(<"$work/versions/versions.js")"
+
 # What is wrong would be seen.
 mkdir "$work/wrong"
 printf '<a href="b.html#none">b</a><a href="gone.html">c</a>' >"$work/wrong/index.html"
@@ -40,6 +50,9 @@ else
   }
   dom "file://$work/site/search.html?q=retreat" >"$work/found.html"
   grep -q 'reference/behaviour.html' "$work/found.html" || fail "the search does not find the page on behaviour"
+  dom "file://$work/versions/0.0.10/docs/reference/report.html" >"$work/versioned.html"
+  grep -q 'class="versions"[^>]*><option value="0.0.10"[^>]*>0.0.10</option><option value="0.0.9">' "$work/versioned.html" ||
+    fail "a page offers no other version: $(grep -o '<select.*</select>' "$work/versioned.html")"
   cat >"$work/site/test.html" <<'PAGE'
 <!doctype html><p id="result">none</p><script>
 const pages = ["index", "reference/configuration", "tutorials/first_mission", "results/comparison"];
