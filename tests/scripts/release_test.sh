@@ -41,6 +41,8 @@ refused 1 "the tree is not clean" "$release" --out "$work/y"
 [[ ! -e "$work/y" ]] || fail "what is refused leaves a folder"
 refused 2 "expected scripts/try_release RELEASE MACHINE" "$root/scripts/try_release"
 refused 2 "no apt/Packages" "$root/scripts/try_release" "$work/full" "$work/machine"
+refused 2 "expected scripts/image RELEASE MACHINE FILE.tar" "$root/scripts/image" "$work/full"
+refused 2 "no apt/Packages" "$root/scripts/image" "$work/full" "$work/machine" "$work/image.tar"
 
 if [[ -z "${PROSPECT_RELEASE:-}" ]]; then
   echo "release: no package is made: PROSPECT_RELEASE=FOLDER is not set"
@@ -54,11 +56,37 @@ else
   for name in one two; do
     "$root/scripts/release" --out "$here/$name" "${with[@]}" >"$work/out" || fail "no packages"
   done
-  "$root/scripts/release" --out "$here/older" "${with[@]}" --version 0.0.1 >"$work/out" || fail "no packages of another version"
+  # A release is signed by who makes it: here by a key of this test.
+  export GNUPGHOME="$work/keys"
+  mkdir -m 700 "$GNUPGHOME"
+  gpg --batch --quiet --passphrase '' --quick-generate-key "Prospect <release@test>" ed25519 sign never 2>"$work/err" || fail "no key: $(<"$work/err")"
+  "$root/scripts/release" --out "$here/older" "${with[@]}" --version 0.0.1 --key "release@test" >"$work/out" || fail "no packages of another version"
+  gpg --batch --quiet --verify "$here/older/apt/InRelease" 2>"$work/err" || fail "the repository is not signed: $(<"$work/err")"
   diff "$here/one/SHA256SUMS" "$here/two/SHA256SUMS" || fail "two releases of one commit differ"
   (cd "$here/one" && sha256sum --quiet -c SHA256SUMS) || fail "SHA256SUMS are not those of the files"
   lintian --fail-on error "$here"/one/*.deb || fail "lintian finds errors"
   "$root/scripts/try_release" "$here/one" "$here/machine" "$here/older" || fail "the packages do not work"
+  # The image: the same bytes each time; what another program makes of it, without a daemon, drives a mission.
+  for name in image again; do
+    "$root/scripts/image" "$here/one" "$here/machine" "$here/$name.tar" || fail "no image"
+  done
+  cmp "$here/image.tar" "$here/again.tar" || fail "two images of one release differ"
+  rm -rf "$here/again.tar" "$work/oci" "$work/bundle"
+  if ! command -v umoci >/dev/null; then
+    echo "release: the image is not unpacked: no umoci"
+  else
+    mkdir "$work/oci"
+    tar -xf "$here/image.tar" -C "$work/oci"
+    version="$(sed -n 's/^Version: //p' "$here/one/apt/Packages" | head -n 1)"
+    umoci unpack --image "$work/oci:$version" "$work/bundle" >"$work/out" 2>&1 || fail "umoci: $(<"$work/out")"
+    mkdir -p "$work/bundle/rootfs/dev"
+    mknod -m 666 "$work/bundle/rootfs/dev/null" c 1 3
+    chroot --userspec=65534:65534 "$work/bundle/rootfs" env -C /work HOME=/work prospect explore office --seed 1 --time-limit 5 --quiet >"$work/out" 2>&1 ||
+      (($? == 1)) || fail "the image drives no mission: $(<"$work/out")"
+    [[ -s "$work/bundle/rootfs/work/runs/office_nlopt_1/report.html" ]] || fail "a mission of the image leaves no report: $(<"$work/out")"
+    grep -q '"prospect"' "$work/bundle/config.json" || fail "the image has another entry"
+    rm -rf "$work/bundle" "$work/oci"
+  fi
 fi
 
 ((failures == 0)) && echo "release: all checks pass"
