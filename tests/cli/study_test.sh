@@ -112,4 +112,28 @@ succeeds "gathering solves again" study solvers.yaml --gather
 sed 's/,[^,]*,[^,]*,[^,]*,[^,]*,[^,]*,[^,]*,[^,]*$//' runs/solvers/results.csv | cmp - solves.csv ||
   fail "the table of a broken bench is another one"
 
+# --- A grid: its numbers against its key, in every form that figures have; names whole, tables folded.
+cat >grid.yaml <<'END'
+problems: zoo
+grid: {max_evaluations: [20, 200, 2000]}
+bench: {solver: "nlopt:LD_SLSQP"}
+END
+rm -rf runs
+refused "a form of no figure" "--format" "expected one of" study grid.yaml --gather --format eps
+refused "forms without figures" "--format" "--gather" study grid.yaml --format pdf
+succeeds "a grid" study grid.yaml --quiet
+succeeds "figures of a grid" study grid.yaml --gather --format svg,pdf,pgf
+for form in svg pdf pgf; do
+  grep -aqE 'max\\?_evaluations' runs/grid/figures/against_max_evaluations.$form || fail "the figure of a grid as $form does not name its key"
+done
+[[ "$(head -c 5 runs/grid/figures/boxes.pdf)" == "%PDF-" && ! -e runs/grid/figures/boxes.png ]] || fail "forms that were asked for: $(ls runs/grid/figures)"
+page=$(<runs/grid/study.html)
+[[ "$page" == *"figures/against_max_evaluations"*"<h2>Setups"*"<details><summary>All "* && "$page" == *'fill="var(--surface)"'* ]] || fail "the page of a grid"
+
+# --- A key by the name that it had before is read, and said.
+sed 's/planner.weights.w_l: 0/planner.recovery.time: 5/' study.yaml >renamed.yaml
+succeeds "an old name" study renamed.yaml --dry-run
+told="renamed.yaml:5: planner.recovery.time is planner.recovery.retreat_time now; it is read as that for one version more"
+(($(grep -cF "prospect: $told" err.txt) == 1)) || fail "an old name: '$(<err.txt)'"
+
 finish

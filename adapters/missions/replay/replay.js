@@ -24,7 +24,7 @@ function sum() {
   const far = steps[most[0]], count = (what) => steps.filter((s) => s.a[what] !== s.b[what]).length;
   const ofKind = [["mode", count("mode")], ["kind of plan", count("kind")]].filter(([, n]) => n > 0).map(([what, n]) => `another ${what} in ${n}`);
   return [`Of ${plural(steps.length, "step")}, ${differing.length} ${differing.length === 1 ? "is" : "are"} planned otherwise, the first at ${fixed(steps[differing[0]].t, 1)} s`,
-    isNumber(apart(far)) ? `; the plans end ${fixed(middle(steps.map(apart)), 2)} m apart in the median, at most ${fixed(apart(far), 2)} m, in step ${far.step}` : "",
+    isNumber(apart(far)) ? `; the plans end ${fixed(middle(differing.map((k) => apart(steps[k]))), 2)} m apart in the median of those, at most ${fixed(apart(far), 2)} m, in step ${far.step}` : "",
     ...ofKind.map((text) => `; ${text}`),
     `. Planning takes ${fixed(middle(steps.map((s) => s.a.ms)), 1)} ms as recorded, ${fixed(middle(steps.map((s) => s.b.ms)), 1)} ms by the other, in the median.`].join("");
 }
