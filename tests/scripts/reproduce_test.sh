@@ -1,0 +1,88 @@
+#!/usr/bin/env bash
+# Rows of the results: each table leads to a commit that is there; a row is found, its command filled in, and what a
+# program says now is judged to the digits of the page.
+#   reproduce_test.sh <source tree> <scratch folder>
+set -uo pipefail
+root="$1" work="$2"
+rm -rf "$work"
+mkdir -p "$work"
+source "${BASH_SOURCE[0]%/*}/../checks.sh"
+if git -C "$root" rev-parse HEAD >/dev/null 2>&1; then
+  run "$root/scripts/reproduce" --check
+  ((code == 0)) || fail "rows of the results without a commit: $out"
+fi
+
+# A project of one page, and a program that says what a file tells it to.
+tree="$work/tree"
+mkdir -p "$tree"/{scripts,docs/results,build,data}
+cp "$root/scripts/reproduce" "$tree/scripts/"
+touch "$tree/data/hall.bt"
+git -C "$tree" init --quiet
+git -C "$tree" -c user.name=a -c user.email=a@b commit --quiet --allow-empty -m "Hall and office measured"
+commit="$(git -C "$tree" rev-parse --short=8 HEAD)"
+cat >"$tree/docs/results/page.md" <<PAGE
+# Results
+Of commit \`$commit\`.
+
+## Some [missions](a.md): all
+    prospect explore WORLD --seed 1 --solver SOLVER    # whole
+
+| world | back end | coverage % | end | t90 | contacts | RMS error m |
+|---|---|---|---|---|---|---|
+| office | nlopt | **98.0** | explored, 40 s | 12 | 0 | 0.05 |
+| hall.bt | ipopt | 91.5 → 98.0 | explored, 40 s | - | 0 | 0.05 |
+
+## A bench
+    prospect bench zoo
+
+| set | solved |
+|---|---|
+| zoo | 12 |
+PAGE
+cat >"$tree/build/prospect" <<'PROGRAM'
+#!/usr/bin/env bash
+[[ "$1" != --version ]] || { echo "prospect 9.9"; exit; }
+echo "$*" >>"${0%/*}/called"
+[[ "${*: -2:1}" == --out ]] && mkdir -p "${*: -1}" && cp "${0%/*}/summary.json" "${*: -1}/"
+PROGRAM
+chmod +x "$tree/build/prospect"
+summary() {
+  echo "{\"coverage\": $1, \"reason\": \"$2\", \"duration_s\": 39.6, \"time_to_90_s\": $3, \"time_to_95_s\": null, \"collisions\": 0,
+    \"losses\": 2, \"localization_rmse_m\": 0.0549, \"localization_final_m\": 0.1}" >"$tree/build/summary.json"
+}
+reproduce="$tree/scripts/reproduce"
+section="docs/results/page.md#some-missions-all"
+# said CODE EXPECTED ARGUMENT...
+said() {
+  local expected_code="$1" expected="$2"
+  shift 2
+  run "$reproduce" "$@"
+  ((code == expected_code)) && [[ "$out$err" == *"$expected"* ]] || fail "$*: exit $code, expected $expected_code and '$expected': '$out' '$err'"
+}
+summary 0.98049 explored 11.6
+said 0 "verdict: the same, 5 numbers" "$section/office/nlopt"
+[[ "$out" == *"commit: $commit, "*": Hall and office measured"*"command: prospect explore office --seed 1 --solver nlopt"*"program: prospect 9.9"* ]] ||
+  fail "what is told of a row: $out"
+grep -qE '^explore office --seed 1 --solver nlopt --quiet --out /' "$tree/build/called" || fail "what is called: $(<"$tree/build/called")"
+said 1 "verdict: differs: t90: none, now 11.6; 4 alike" "$section/hall.bt" --data "$tree/data"
+[[ "$out" == *"prospect explore $tree/data/hall.bt --seed 1 --solver ipopt"* ]] || fail "a world's file: $out"
+summary 0.9806 explored null
+said 1 "differs: coverage %: 98.0, now 98.06; t90: 12, now none" "$section/office"
+summary 0.98 "time limit" 12
+said 1 "differs: end: explored, now time limit" "$section/office"
+said 0 "command: prospect explore office --seed 1 --solver nlopt" "$section/office" --show
+said 3 "row: $section/hall.bt/ipopt" "$section"
+said 3 "verdict: not judged; the page says set: zoo, solved: 12" "docs/results/page.md#a-bench/zoo"
+said 2 "no such row; expected one of office, hall.bt" "$section/yard"
+said 2 "no such section; expected one of some-missions-all, a-bench" "docs/results/page.md#other"
+said 2 "no such page" "docs/results/none.md#other"
+said 2 "no such program" "$section/office" --build "$work"
+said 0 "" --check
+# A table without a commit, and a commit that is none.
+sed -i "s/\`$commit\`/today/" "$tree/docs/results/page.md"
+said 1 "docs/results/page.md#a-bench: a table without a commit" --check
+sed -i "s/^Of commit today/Of commit \`0123abc\`/" "$tree/docs/results/page.md"
+said 1 "no commit 0123abc" --check
+
+((failures == 0)) && echo "reproduce: all checks pass"
+exit "$((failures > 0))"
