@@ -13,14 +13,14 @@ if git -C "$root" rev-parse HEAD >/dev/null 2>&1; then
 fi
 
 # A project of one page, and a program that says what a file tells it to.
-tree="$work/tree"
+tree="$work/tree" shelf=docs/results
 mkdir -p "$tree"/{scripts,docs/results,build,data}
 cp "$root/scripts/reproduce" "$tree/scripts/"
 touch "$tree/data/hall.bt"
 git -C "$tree" init --quiet
 git -C "$tree" -c user.name=a -c user.email=a@b commit --quiet --allow-empty -m "Hall and office measured"
 commit="$(git -C "$tree" rev-parse --short=8 HEAD)"
-cat >"$tree/docs/results/page.md" <<PAGE
+cat >"$tree/$shelf/page.md" <<PAGE
 # Results
 Of commit \`$commit\`.
 
@@ -51,7 +51,7 @@ summary() {
     \"losses\": 2, \"localization_rmse_m\": 0.0549, \"localization_final_m\": 0.1}" >"$tree/build/summary.json"
 }
 reproduce="$tree/scripts/reproduce"
-section="docs/results/page.md#some-missions-all"
+section="$shelf/page.md#some-missions-all"
 # said CODE EXPECTED ARGUMENT...
 said() {
   local expected_code="$1" expected="$2"
@@ -70,18 +70,20 @@ summary 0.9806 explored null
 said 1 "differs: coverage %: 98.0, now 98.06; t90: 12, now none" "$section/office"
 summary 0.98 "time limit" 12
 said 1 "differs: end: explored, now time limit" "$section/office"
+summary 0.98 explored 12
 said 0 "command: prospect explore office --seed 1 --solver nlopt" "$section/office" --show
 said 3 "row: $section/hall.bt/ipopt" "$section"
-said 3 "verdict: not judged; the page says set: zoo, solved: 12" "docs/results/page.md#a-bench/zoo"
+said 3 "verdict: not judged; the page says set: zoo, solved: 12" "$shelf/page.md#a-bench/zoo"
 said 2 "no such row; expected one of office, hall.bt" "$section/yard"
-said 2 "no such section; expected one of some-missions-all, a-bench" "docs/results/page.md#other"
-said 2 "no such page" "docs/results/none.md#other"
+said 2 "no such section; expected one of some-missions-all, a-bench" "$shelf/page.md#other"
+said 0 "verdict: the same" "page#some-missions-all/office"
+said 2 "no such page" "$shelf/none.md#other"
 said 2 "no such program" "$section/office" --build "$work"
 said 0 "" --check
 # A table without a commit, and a commit that is none.
-sed -i "s/\`$commit\`/today/" "$tree/docs/results/page.md"
-said 1 "docs/results/page.md#a-bench: a table without a commit" --check
-sed -i "s/^Of commit today/Of commit \`0123abc\`/" "$tree/docs/results/page.md"
+sed -i "s/\`$commit\`/today/" "$tree/$shelf/page.md"
+said 1 "$shelf/page.md#a-bench: a table without a commit" --check
+sed -i "s/^Of commit today/Of commit \`0123abc\`/" "$tree/$shelf/page.md"
 said 1 "no commit 0123abc" --check
 
 ((failures == 0)) && echo "reproduce: all checks pass"
