@@ -37,6 +37,29 @@ run "$work/tree/scripts/licences" "$1"
 run "$root/scripts/licences" "$root/LICENSE"
 ((code == 2)) && [[ "$err" == *LICENSE:*"expected a program"* ]] || fail "no program: exit $code, '$err'"
 
+# Sources say their licence in their first lines: what does not is named, and stamped once, scripts after "#!".
+clone="$work/clone"
+mkdir -p "$clone/scripts"
+cp "$root/scripts/licences" "$clone/scripts/"
+printf '#!/bin/sh\necho\n' >"$clone/scripts/run"
+chmod +x "$clone/scripts/run"
+echo 'int a;' >"$clone/a.cc"
+echo 'p {}' >"$clone/a.css"
+echo 'words' >"$clone/a.md"
+run "$clone/scripts/licences" --stamped
+((code == 2)) && [[ "$err" == *"expected a clone of git"* ]] || fail "no clone: exit $code, '$err'"
+git -C "$clone" init --quiet && git -C "$clone" add .
+run "$clone/scripts/licences" --stamped
+((code == 1)) && [[ "$err" == *"3 source files without a licence, a.cc first"* ]] || fail "sources without a licence: exit $code, '$err'"
+run "$clone/scripts/licences" --stamp
+[[ "$(sed -n 2p "$clone/scripts/run")" == "# SPDX-License-Identifier: Apache-2.0" && -x "$clone/scripts/run" &&
+  "$(<"$clone/a.cc")" == $'// SPDX-License-Identifier: Apache-2.0\nint a;' && "$(<"$clone/a.md")" == words &&
+  "$(head -n 1 "$clone/a.css")" == "/* SPDX-License-Identifier: Apache-2.0 */" ]] || fail "stamped: $(head "$clone"/*.* "$clone/scripts/run")"
+run "$clone/scripts/licences" --stamp
+[[ "$out" == "0 files stamped" ]] || fail "stamped twice: $out"
+run "$clone/scripts/licences" --stamped
+((code == 0)) || fail "stamped, and not seen: $err"
+
 # Copyleft is told of by name where Debian's back ends are linked.
 if "$root/scripts/licences" "$1" 2>/dev/null | grep -q '^CHOLMOD'; then
   run "$root/scripts/licences" --permissive "$1"
