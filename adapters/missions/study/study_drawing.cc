@@ -143,7 +143,7 @@ std::vector<std::size_t> chief_numbers(Study::Kind kind) {
 }
 
 PanelGrid::PanelGrid(std::size_t panels)
-    : below(40.0 + std::ceil(static_cast<double>(panels) / kColumns) * (kHeight + kGapY)) {}
+    : below(14.0 + std::ceil(static_cast<double>(panels) / kColumns) * (kHeight + kGapY)) {}
 
 Panel PanelGrid::at(std::size_t panel) const {
   const auto column = static_cast<double>(panel % kColumns);

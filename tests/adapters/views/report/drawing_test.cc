@@ -111,7 +111,7 @@ TEST(Drawing, ThePdfHoldsEachShapeAndItsTableLeadsToItsObjects) {
   EXPECT_THAT(pdf, HasSubstr("0 0 0.784 rg\n10 10 20 10 re\n30 10 5 5 re\nf\n"));
   EXPECT_THAT(pdf, HasSubstr("2 w\n60 40 m\n90 40 l\nS\n"));
   // "a < b & c" in Helvetica: 556 + 278 + 584 + 278 + 556 + 278 + 667 + 278 + 500 thousandths of 6.
-  EXPECT_THAT(pdf, HasSubstr("1 0 0 -1 38.07 48 Tm 0 Tr (a < b & c) Tj"));
+  EXPECT_THAT(pdf, HasSubstr("1 0 0 -1 38.08 48 Tm 0 Tr (a < b & c) Tj"));
   EXPECT_EQ(pdf, sample().pdf());
 }
 
