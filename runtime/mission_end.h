@@ -25,6 +25,7 @@ enum class MissionEnd : std::uint8_t {
   kCancelled,
   kNotFit,  ///< a check before the first motion has failed (preflight.h), or the maps' resolution
             ///< does not fit the planner (PlanFault::kMisfit)
+  kFallen,  ///< over an edge or into a hole (TrueState::fallen)
   kRobotLost,     ///< it does not answer any more (LockstepRobot::fault())
   kUnexplained,   ///< the planner says that it is done, and no cause that ends a task
   kLogEndsEarly,  ///< of a log that ends before its mission did: nobody knows

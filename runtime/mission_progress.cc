@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <utility>
 
+#include "runtime/truth.h"
+
 namespace prospect {
 namespace {
 
@@ -45,6 +47,16 @@ bool MissionProgress::over(MissionEnd end, std::string detail) {
 
 bool MissionProgress::over_before(const Belief& belief, double now, bool cancelled) {
   result.duration = now - start_;
+  if (options_.truth != nullptr) {
+    const TrueState truth = options_.truth->newest();
+    if (truth.fallen) {
+      // Also on the way back: whatever was done before.
+      result.end = MissionEnd::kFallen;
+      result.detail = text("it fell where there is no floor, at (%.2f, %.2f) m.",
+                           truth.pose.position.x(), truth.pose.position.y());
+      return true;
+    }
+  }
   if (cancelled) {
     return over(MissionEnd::kCancelled, text("cancelled after %.1f s.", result.duration));
   }

@@ -37,8 +37,8 @@ class MissionProgress {
   /// options and planner outlive it.
   MissionProgress(const MissionOptions& options, Replanner& planner, double start);
 
-  /// Before a planning step: whether it is over because it was cancelled, time is up, or
-  /// localization does not come back.
+  /// Before a planning step: whether it is over because the robot has fallen, it was cancelled,
+  /// time is up, or localization does not come back.
   bool over_before(const Belief& belief, double now, bool cancelled);
   /// Replanner::prepare() with that belief.
   void prepare(const Belief& belief);

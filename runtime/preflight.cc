@@ -76,6 +76,29 @@ CheckResult body_check(const PreflightFacts& facts, const PreflightOptions& o) {
   return {name, CheckVerdict::kPassed, where};
 }
 
+CheckResult floor_ahead_check(const PreflightFacts& facts) {
+  const std::string name = "floor ahead";
+  if (!facts.floor_ahead) return not_possible(name, "nobody says what of it is in view");
+  const PreflightFacts::FloorAhead& ahead = *facts.floor_ahead;
+  if (!ahead.sight) {
+    return {name, CheckVerdict::kWarned,
+            "no depth sensor looks at it: edges, holes and stairs down are not seen"};
+  }
+  const double a = facts.deceleration.model, v = facts.speed.model;
+  const double most = speed_for_sight(ahead.sight->to - ahead.front, ahead.delay, a);
+  const std::string seen =
+      formatted("seen from %.2f to %.2f m ahead; what is nearer has to have been",
+                ahead.sight->from, ahead.sight->to);
+  if (!(v <= most)) {
+    return {
+        name, CheckVerdict::kWarned,
+        seen + formatted("; at %.2f m/s the robot needs %.2f m to rest, so an edge would be seen "
+                         "too late; expected at most %.2f m/s",
+                         v, v * ahead.delay + 0.5 * v * v / a, most)};
+  }
+  return {name, CheckVerdict::kPassed, seen + formatted("; in time up to %.2f m/s", most)};
+}
+
 CheckResult stereo_check(const PreflightFacts& facts, const PreflightOptions& o) {
   if (!facts.stereo_offset) return not_possible("cameras in step", "no pair of images was stamped");
   return {"cameras in step", graded(*facts.stereo_offset, o.stereo_warn, o.stereo_fail),
@@ -250,6 +273,7 @@ std::vector<CheckResult> checks_before_motion(const PreflightFacts& facts,
     results = {height_check(facts, options), tilt_check(facts, options)};
   }
   results.push_back(body_check(facts, options));
+  results.push_back(floor_ahead_check(facts));
   if (facts.stereo_pair) results.push_back(stereo_check(facts, options));
   for (const PreflightFacts::Clock& clock : facts.clocks) results.push_back(clock_check(clock));
   if (facts.clocks.empty()) results.push_back(not_possible("clocks", "no source was named"));

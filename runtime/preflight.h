@@ -10,6 +10,7 @@
 #include "models/robot_shape.h"
 #include "models/types.h"
 #include "runtime/emergency_stop.h"
+#include "runtime/floor_sight.h"
 
 namespace prospect {
 
@@ -64,6 +65,13 @@ struct PreflightFacts {
   /// Heights in W that the body sweeps (RobotDescription::slice()) [m], and the map's resolution.
   std::optional<VerticalExtent> body{};
   double resolution = 0.1;  ///< [m]
+  /// What of the floor ahead is in view; none: nobody says.
+  struct FloorAhead {
+    std::optional<FloorSight> sight{};  ///< none: no sensor looks at it
+    double front = 0.0;                 ///< of the body, ahead of B's origin [m]
+    double delay = 0.0;                 ///< from what comes into view to the brakes [s]
+  };
+  std::optional<FloorAhead> floor_ahead{};
   /// Capture of the right image - capture of the left one [s].
   std::optional<double> stereo_offset{};
 
@@ -124,6 +132,9 @@ struct PreflightFacts {
 ///                                voxels. A camera that is 2 cm lower than stated lifts the floor
 ///                                by as much; under a body down to z = 0 it is an obstacle that is
 ///                                everywhere, and the robot hardly moves and says nothing;
+///   floor ahead                  a depth sensor sees it in time: at its largest speed the robot
+///                                comes to rest before what just comes into view; else warned of,
+///                                as is a robot whose sensors do not look at the floor ahead;
 ///   cameras in step              |offset|;
 ///   clock of SOURCE              settled; jumps are warned of;
 ///   stream of SOURCE             within its limit for live_time;

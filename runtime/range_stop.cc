@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <utility>
 
 #include "models/knobs.h"
 
@@ -57,6 +56,8 @@ std::string_view to_string(RangeStopReason reason) {
       return "clear";
     case RangeStopReason::kObstacle:
       return "obstacle";
+    case RangeStopReason::kNoFloor:
+      return "no floor";
     case RangeStopReason::kTooFewRanges:
       return "too few ranges";
     case RangeStopReason::kOutOfView:
@@ -192,11 +193,23 @@ RangeStopVerdict RangeStop::check(const RangeFrame& frame, const Twist& command,
   const int steps = static_cast<int>(std::clamp(std::ceil(reach / 0.01), 1.0, 200.0));
   std::vector<Arc::Placed> poses;
   for (int n = 1; n <= steps; ++n) poses.push_back(arc.at(time * n / steps));
-  std::vector<std::pair<int, Eigen::Vector3d>> contacts;  // the last free pose, and what is met
+  struct Contact {
+    int pose;  // the last free one
+    Eigen::Vector3d point;
+    bool no_floor;
+  };
+  std::vector<Contact> contacts;
+  const double above = frame.origin.z() - o.floor;
   for (const RangeRay& ray : frame.rays) {
-    const Eigen::Vector3d& p = ray.point;
-    if (ray.kind != RangeRay::Kind::kHit || !p.allFinite()) continue;
-    if (p.z() < o.lowest || p.z() > o.highest) continue;
+    Eigen::Vector3d p = ray.point;
+    if (ray.kind == RangeRay::Kind::kInvalid || !p.allFinite()) continue;
+    const bool no_floor = p.z() < o.floor - o.drop && above > 0.0;
+    if (no_floor) {
+      p = frame.origin + above / (frame.origin.z() - p.z()) * (p - frame.origin);
+      p.z() = o.floor;
+    } else if (ray.kind != RangeRay::Kind::kHit || p.z() < o.lowest || p.z() > o.highest) {
+      continue;
+    }
     const Eigen::Vector2d q = p.head<2>();
     const double distance = distance_to_body(q);
     if (distance <= 0.0 || distance > reach + o.margin) continue;
@@ -204,23 +217,27 @@ RangeStopVerdict RangeStop::check(const RangeFrame& frame, const Twist& command,
     const auto met = std::find_if(poses.begin(), poses.end(), [&](const Arc::Placed& pose) {
       return distance_to_body(pose.seen_from(q)) <= least;
     });
-    if (met != poses.end()) contacts.emplace_back(static_cast<int>(met - poses.begin()), p);
+    if (met != poses.end())
+      contacts.push_back({static_cast<int>(met - poses.begin()), p, no_floor});
   }
   const auto least = static_cast<std::size_t>(o.least_points);
   if (contacts.size() < least) return verdict;
   const auto first = contacts.begin() + static_cast<std::ptrdiff_t>(least - 1);
   std::nth_element(contacts.begin(), first, contacts.end(),
-                   [](const auto& a, const auto& b) { return a.first < b.first; });
-  const double contact = time * first->first / steps;
+                   [](const auto& a, const auto& b) { return a.pose < b.pose; });
+  const double contact = time * first->pose / steps;
   // age + s reaction + s^2 stop / 2 = contact; stop > 0, as the robot moves.
   const double left = std::max(0.0, contact - passed);
   const double share =
       (std::sqrt(o.reaction_time * o.reaction_time + 2.0 * stop * left) - o.reaction_time) / stop;
   if (share >= verdict.share) return verdict;
-  const Eigen::Vector3d point = first->second;
-  verdict = stopped(share, RangeStopReason::kObstacle,
-                    "something at (%.2f, %.2f, %.2f) m in B, %.2f s ahead", point.x(), point.y(),
-                    point.z(), contact);
+  const Eigen::Vector3d point = first->point;
+  verdict = first->no_floor ? stopped(share, RangeStopReason::kNoFloor,
+                                      "no floor at (%.2f, %.2f) m in B, %.2f s ahead", point.x(),
+                                      point.y(), contact)
+                            : stopped(share, RangeStopReason::kObstacle,
+                                      "something at (%.2f, %.2f, %.2f) m in B, %.2f s ahead",
+                                      point.x(), point.y(), point.z(), contact);
   verdict.point = point;
   verdict.time_to_contact = contact;
   return verdict;

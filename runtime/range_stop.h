@@ -39,6 +39,8 @@ struct RangeStopOptions {
   /// Heights in B [m]. What is below `lowest` is floor, what is above `highest` the body passes
   /// under.
   double lowest = 0.05, highest = 0.6;
+  double floor = 0.0;             ///< height in B of the floor [m]
+  double drop = 0.1;              ///< [m] below it, from which on it is no ground
   double margin = 0.05;           ///< [m] kept from what is seen
   double reaction_time = 0.15;    ///< [s] from a decision until the base brakes
   double deceleration = 0.5;      ///< [m/s^2] that the base keeps
@@ -57,20 +59,22 @@ RangeStopOptions range_stop_options(const RobotDescription& robot);
 enum class RangeStopReason {
   kClear,         ///< it may go on
   kObstacle,      ///< something is in the way
+  kNoFloor,       ///< the floor ends in the way
   kTooFewRanges,  ///< the sensor looks there and measures too little: covered, glass, too near
   kOutOfView,     ///< the sensor does not look there
   kStale,         ///< the frame is too old, or from the future
   kNonFinite      ///< the command or a time is no number, or the command beyond all bounds
 };
-/// "clear", "obstacle", "too few ranges", "out of view", "stale", "non-finite".
+/// "clear", "obstacle", "no floor", "too few ranges", "out of view", "stale", "non-finite".
 std::string_view to_string(RangeStopReason reason);
 
 struct RangeStopVerdict {
   /// Of the command that may be driven, 0 to 1: linear velocity and yaw rate times as much.
   double share = 0.0;
   RangeStopReason reason = RangeStopReason::kStale;
-  Eigen::Vector3d point = Eigen::Vector3d::Zero();  ///< kObstacle: what is met first, in B
-  double time_to_contact = 0.0;  ///< kObstacle: [s] at the command, without braking
+  Eigen::Vector3d point =
+      Eigen::Vector3d::Zero();   ///< kObstacle, kNoFloor: what is met first, in B
+  double time_to_contact = 0.0;  ///< of these: [s] at the command, without braking
   std::string text;              ///< but for kClear: one sentence with numbers
   bool may_go_on() const { return share > 0.0; }
 };
@@ -86,7 +90,8 @@ struct RangeStopVerdict {
 /// Contact is at the first time T_c along the arc at which least_points hits between `lowest` and
 /// `highest` lie within `margin` of the outline, of hits nearer than that at the start within 0.9
 /// of the distance they have. Hits inside the outline at the start are the robot's own parts. The
-/// share is the largest s with T(s) <= T_c.
+/// share is the largest s with T(s) <= T_c. A ray that ends, hit or clear, deeper than `drop` below
+/// the floor counts as a hit where it went through the floor's plane: there is no floor.
 ///
 /// View. The directions that count are those of the points of the outline that go ahead: within 45
 /// degrees of their outward normal, and at T(1) outside of the outline at the start. Rays are
@@ -97,8 +102,9 @@ struct RangeStopVerdict {
 ///
 /// So a robot that is round may always turn on the spot, and one that stands may stand.
 ///
-/// Not seen: what has no surface for the sensor (glass, black), drops and stairs down, what is
-/// below `lowest`, what moves by itself faster than the margin allows for.
+/// Not seen: what has no surface for the sensor (glass, black), what is between the floor and
+/// `lowest`, drops where no ray gets down to them, what moves by itself faster than the margin
+/// allows for.
 ///
 /// Cost: O(rays + hits near the way x 200 poses) at most: a depth image is thinned to some thousand
 /// rays first. Thread-safety: const. Errors: the constructor

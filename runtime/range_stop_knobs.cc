@@ -17,6 +17,9 @@ void describe(Knobs& knobs, RangeStopOptions& o) {
   knobs.number("lowest", o.lowest, {-10.0, 10.0}, "m", "height in B below which all is floor");
   knobs.number("highest", o.highest, {-10.0, 10.0}, "m",
                "height in B above which the body passes under");
+  knobs.number("floor", o.floor, {-10.0, 10.0}, "m", "height in B of the floor");
+  knobs.number("drop", o.drop, {0.0, 1000.0}, "m",
+               "below the floor, from which on it is no ground");
   knobs.number("margin", o.margin, {0.0, 1.0}, "m", "kept from what is seen");
   knobs.number("reaction_time", o.reaction_time, {0.0, 10.0}, "s",
                "from a decision until the base brakes");
@@ -55,6 +58,7 @@ RangeStopOptions range_stop_options(const RobotDescription& robot) {
   }
   const VerticalExtent slice = robot.slice();
   const double base = robot.base_height();
+  options.floor = 0.0 - base;  // not -0
   options.lowest = std::max(slice.z_min, kFloor) - base;
   options.highest = std::max(slice.z_max - base, options.lowest + kLeast);
   options.deceleration = robot.model->max_deceleration();

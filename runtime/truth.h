@@ -13,7 +13,8 @@ struct TrueState {
   double localization_error = 0.0;  ///< [m]
   double path_length = 0.0;         ///< [m]
   int collisions = 0;
-  int losses = 0;  ///< of localization
+  int losses = 0;       ///< of localization
+  bool fallen = false;  ///< a wheel of it stands where there is no floor: over an edge, in a hole
 };
 
 /// Who knows what is true of a robot. Nothing that drives it may ask. Thread-safety: one thread at

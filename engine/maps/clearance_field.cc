@@ -186,7 +186,9 @@ void ClearanceField::gather(const VoxelGrid& voxels, const GroundMap& ground,
   for (int n = 0; n < cells_.size(); ++n, ++column) {
     if (n % 1024 == 0) pause();
     const Cell c = cells_.at(n);
-    bool solid = unknown_counts && !ground.explored(c);
+    // The ground map knows besides where there is no floor.
+    const CellState cell = ground.state(c);
+    bool solid = cell == CellState::kOccupied || (unknown_counts && cell == CellState::kUnknown);
     if (!solid && high > low && voxels.frame().contains(c)) {
       const CellState* state = voxels.data().data() + voxels.index(c.i, c.j, low);
       solid = std::find(state, state + (high - low), CellState::kOccupied) != state + (high - low);

@@ -53,6 +53,10 @@ SliceLayers slice_layers(const HeightSlice& slice, double resolution) {
     throw std::invalid_argument("resolution " + std::to_string(resolution) +
                                 " m: expected a positive number");
   }
+  if (!(slice.step >= 0.0)) {
+    throw std::invalid_argument("step of the floor " + std::to_string(slice.step) +
+                                " m: expected a height of at least 0");
+  }
   // Heights on a face of the lattice are not exact multiples in floating point: 0.3 - 0.2 < 0.1.
   constexpr double kOverlap = 1e-6;
   SliceLayers layers;
@@ -62,6 +66,7 @@ SliceLayers slice_layers(const HeightSlice& slice, double resolution) {
   if (slice.sight) {
     layers.k_sight = static_cast<int>(std::floor((*slice.sight + kOverlap) / resolution));
   }
+  layers.floor = {floor_layer(slice.step, resolution), std::max(layers.k_low, 0)};
   return layers;
 }
 
@@ -73,7 +78,7 @@ CellState project_column(const VoxelGrid& voxels, Cell c, const SliceLayers& lay
     occupied += s == CellState::kOccupied;
     free += s == CellState::kFree;
   }
-  return project_column(occupied, free);
+  return project_column(occupied, free, floor_state(voxels, c, layers.floor));
 }
 
 bool see_through(const VoxelGrid& voxels, Cell c, const SliceLayers& layers) {

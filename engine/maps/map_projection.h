@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 
+#include "engine/maps/floor_state.h"
 #include "engine/maps/grid.h"
 #include "engine/maps/ground_map.h"
 #include "engine/maps/voxel_grid.h"
@@ -20,6 +21,9 @@ struct HeightSlice {
   double z_max = 0.5;
   /// Height of the depth sensor's line of sight [m, in W]; none: what is free is seen through.
   std::optional<double> sight = std::nullopt;
+  /// Drop of the floor [m] that the robot drives down, >= 0; where it is deeper is no ground. A
+  /// robot that does not stand on the floor takes any.
+  double step = 0.05;
 };
 
 /// Of a robot: its body's slice, and the height of its depth sensor as the line of sight. Throws as
@@ -31,23 +35,24 @@ struct SliceLayers {
   int k_low = 0;
   int k_high = 0;
   std::optional<int> k_sight;  ///< the layer that holds the line of sight
+  FloorLayers floor;           ///< those that the robot stands on
   int count() const { return k_high - k_low + 1; }
 };
 
 /// Layers of `slice` on a lattice of `resolution` [m]; always at least one.
-/// Throws std::invalid_argument if the slice or its line of sight is not finite, empty, or the
-/// resolution not positive.
+/// Throws std::invalid_argument if the slice or its line of sight is not finite, empty, the step
+/// negative, or the resolution not positive.
 SliceLayers slice_layers(const HeightSlice& slice, double resolution);
 
 /// State of a ground cell from the counts of its column (formulation, section 2: the exploration
 /// map is the octree projected on the ground plane; the rule is our choice):
-///   occupied if occupied > 0;  free if none is and any is known free;  unknown if nothing is
-///   known.
+///   occupied if occupied > 0, or the floor is known to be missing: the body cannot be there;
+///   free if not, and any is known free;  unknown if nothing is known.
 /// One free layer is enough: what lies behind a low obstacle is seen at the sensor's height only,
 /// and a stricter rule leaves frontiers there that no observation resolves. A low obstacle not seen
 /// from afar makes its cell occupied when the sensor comes near.
-inline CellState project_column(int occupied, int free) {
-  if (occupied > 0) return CellState::kOccupied;
+inline CellState project_column(int occupied, int free, FloorState floor = FloorState::kUnseen) {
+  if (occupied > 0 || floor == FloorState::kMissing) return CellState::kOccupied;
   return free > 0 ? CellState::kFree : CellState::kUnknown;
 }
 

@@ -9,4 +9,10 @@ enum class UnknownPolicy {
   kBraking   ///< the robot must at all times be able to stop inside known free space
 };
 
+/// What a planner makes of ground whose floor no ray has met.
+enum class UnseenFloor {
+  kAssumed,  ///< it is there: of robots whose sensors do not look at it, on floors without edges
+  kBlocked   ///< it is not driven onto
+};
+
 }  // namespace prospect

@@ -12,6 +12,8 @@ Certifier::Options options_for(SafetyLevel safety_level, const RobotDescription&
   const SafetyLevelPolicy& rules = policy(safety_level);
   Certifier::Options options = Certifier::options_for(robot);
   options.zones = zones;
+  options.seen_floor = parameters.unseen_floor == UnseenFloor::kBlocked;
+  options.step = parameters.step;
   options.unknown = parameters.unknown;
   options.margin = rules.margin * parameters.certificate_margin;
   if (safety_level == SafetyLevel::kLost)
@@ -27,6 +29,8 @@ Certifier::Options options_as_guard(const RobotDescription& robot,
                                     const std::shared_ptr<const ZoneMap>& zones) {
   Certifier::Options options = Certifier::options_for(robot);
   options.zones = zones;
+  options.seen_floor = parameters.unseen_floor == UnseenFloor::kBlocked;
+  options.step = parameters.step;
   options.unknown = UnknownPolicy::kFree;
   options.known_ground = parameters.unknown != UnknownPolicy::kFree;
   options.margin = parameters.guard_margin();

@@ -58,6 +58,9 @@ struct PlannerParameters {
   double d_safe = 0.01;
   double d_des = 0.25;  ///< clearance beyond which the soft cost vanishes [m]
   UnknownPolicy unknown = UnknownPolicy::kBraking;
+  /// Ground whose floor no ray has met is not driven onto (certificate.h).
+  UnseenFloor unseen_floor = UnseenFloor::kAssumed;
+  double step = 0.05;                ///< [m] HeightSlice::step of the maps that beliefs will bring
   double certificate_margin = 0.02;  ///< by which the certified body is grown [m]
   /// Margin that a guard of these plans must use [m]: smaller, so that what was certified with the
   /// whole margin passes from the slightly different pose at which it is executed.

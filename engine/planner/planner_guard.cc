@@ -16,6 +16,8 @@ Guard guard_for(const RobotDescription& robot, const PlannerParameters& paramete
   certificate.unknown = UnknownPolicy::kFree;
   certificate.known_ground = parameters.unknown != UnknownPolicy::kFree;
   certificate.zones = zone_map_of(parameters.zones);
+  certificate.seen_floor = parameters.unseen_floor == UnseenFloor::kBlocked;
+  certificate.step = parameters.step;
   options.max_step = std::max(options.max_step, parameters.dt);
   return Guard(robot.model, robot.shape, certificate, options);
 }

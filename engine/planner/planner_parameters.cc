@@ -71,6 +71,8 @@ void describe(Knobs& knobs, PlannerParameters& p) {
                "kept from obstacles while localization is lost; 0: no more than else");
   knobs.choice("unknown", p.unknown, {"free", "blocked", "braking"},
                "what unknown space means to motion");
+  knobs.choice("unseen_floor", p.unseen_floor, {"assumed", "blocked"},
+               "what floor that no ray has met means to motion");
   knobs.integer("max_landmarks", p.max_landmarks, {0, 100000}, "1", "landmarks considered");
   knobs.integer("max_targets", p.max_targets, {0, 300}, "1", "exploration targets considered");
   knobs.boolean("target_frontier_only", p.target_frontier_only,

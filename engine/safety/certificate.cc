@@ -21,6 +21,8 @@
 #include <vector>
 
 #include "engine/maps/correction.h"
+#include "engine/maps/floor_state.h"
+#include "engine/maps/map_projection.h"
 #include "engine/maps/pose_error.h"
 #include "engine/maps/present_view.h"
 #include "engine/maps/shape_geometry.h"
@@ -174,6 +176,7 @@ struct Closing {
   std::span<const PresentView> views{};     // of each depth sensor; none: nothing is in view
   const octomap::OcTree* octree = nullptr;  // null: what is free is proven to be
   double free_evidence = 0.0;               // that proves it
+  std::optional<FloorLayers> floor{};       // has to be seen in them; none: it need not be
 };
 
 /// Of present views, a bit each.
@@ -385,7 +388,8 @@ class Scene {
     const double above = kVerticalSlack + kFaceTolerance;
     const int k_low = planar_ ? low_ : address((z + body_.height.z_min - above) / r);
     const int k_high = planar_ ? high_ : address((z + body_.height.z_max + above) / r);
-    const bool closing = closing_.unknown != UnknownPolicy::kFree || closing_.only_in_view;
+    const bool closing = closing_.unknown != UnknownPolicy::kFree || closing_.only_in_view ||
+                         closing_.floor.has_value();
     const GridFrame& frame = voxels_.frame();
     if (!closing) {  // nothing is beyond the map
       i_low = std::max(i_low, frame.i0);
@@ -408,21 +412,29 @@ class Scene {
   }
 
   void gather_obstacles(int i, int j, int from, int to) {
-    if (!voxels_.frame().contains({i, j}) || from > to) return;
-    const CellState* column = voxels_.data().data() + voxels_.index(i, j, voxels_.k0());
-    const auto is_occupied = [&](int k) {
-      return column[k - voxels_.k0()] == CellState::kOccupied;
-    };
     double drift = -1.0;
-    for (int k = from; k <= to; ++k) {
-      if (!is_occupied(k)) continue;
-      Run run{i, j, k, k};
-      while (run.low > low_ && is_occupied(run.low - 1)) --run.low;
-      while (run.high < high_ && is_occupied(run.high + 1)) ++run.high;
+    const auto add = [&](const Run& run) {
       budget_.spend(kNearCost + run.high - run.low);
-      k = run.high;
       if (drift < 0.0) drift = closing_.drift == nullptr ? 0.0 : closing_.drift->sigma({i, j});
       obstacles_.push_back({run, drift});
+    };
+    if (voxels_.frame().contains({i, j})) {
+      const CellState* column = voxels_.data().data() + voxels_.index(i, j, voxels_.k0());
+      const auto is_occupied = [&](int k) {
+        return column[k - voxels_.k0()] == CellState::kOccupied;
+      };
+      for (int k = from; k <= to; ++k) {
+        if (!is_occupied(k)) continue;
+        Run run{i, j, k, k};
+        while (run.low > low_ && is_occupied(run.low - 1)) --run.low;
+        while (run.high < high_ && is_occupied(run.high + 1)) ++run.high;
+        k = run.high;
+        add(run);
+      }
+    }
+    // Where the body cannot be, and nothing stands: there is no floor.
+    if (drift < 0.0 && planar_ && ground_.state({i, j}) == CellState::kOccupied) {
+      add({i, j, slice_low_, slice_high_});
     }
   }
 
@@ -453,8 +465,11 @@ class Scene {
     if (planar_) {
       const Run run{i, j, slice_low_, slice_high_};
       const CellState state = ground_.state({i, j});
-      if (knows && (whole || state == CellState::kUnknown ||
-                    (state == CellState::kFree && doubtful(i, j, slice_low_, slice_high_)))) {
+      if (closing_.floor && floor_state(voxels_, {i, j}, *closing_.floor) == FloorState::kUnseen) {
+        add(run, Status::kUnseenFloor, 0);
+      } else if (knows &&
+                 (whole || state == CellState::kUnknown ||
+                  (state == CellState::kFree && doubtful(i, j, slice_low_, slice_high_)))) {
         add(run, Status::kUnknownSpace, 0);
       } else if (closing_.only_in_view) {
         add_unless_shown(run, Cell{i, j});
@@ -694,6 +709,10 @@ class Certifier::Check {
         sub_(model.nx()) {
     closing_ = {options_.unknown, drift, options_.drift_limit};
     closing_.octree = belief.octree.get();
+    if (planar_ && options_.seen_floor) {
+      const HeightSlice slice{options_.slice.z_min, options_.slice.z_max, {}, options_.step};
+      closing_.floor = slice_layers(slice, belief.voxels->resolution()).floor;
+    }
     closing_.free_evidence = std::log(1.0 / options_.max_doubt - 1.0);
     const BodyExtent extent = body_.extent();
     unbounded_ = unbounded_pose_error(belief, options_.max_lost_error);
@@ -835,6 +854,9 @@ class Certifier::Check {
       result_.detail = "the body would touch an occupied voxel " + at_time(time, pose);
     } else if (result_.status == Status::kUnknownSpace) {
       result_.detail = "the body would enter unknown space " + at_time(time, pose);
+    } else if (result_.status == Status::kUnseenFloor) {
+      result_.detail =
+          "the body would enter ground whose floor was not seen " + at_time(time, pose);
     } else if (result_.status == Status::kOutOfView) {
       result_.detail =
           unbounded_ + ", and the body would leave what is in view " + at_time(time, pose);

@@ -23,6 +23,7 @@ struct Certificate {
     kOk,
     kCollision,     ///< the grown body touches an occupied voxel
     kUnknownSpace,  ///< the body enters unknown space, which the policy forbids
+    kUnseenFloor,   ///< the body enters ground whose floor no ray has met
     kOutOfView,     ///< nothing bounds the pose's error, and the body leaves what is in view
     kForbidden,     ///< the grown body enters a keep-out or leaves the bound
     kTooFast,       ///< it would drive faster than a slow zone allows
@@ -67,6 +68,11 @@ Eigen::MatrixXd stopping_tail(const MotionModel& model, const Eigen::Ref<const E
 /// to be occupied: the stop has to end before it. What the octree has nothing of is as the mirror
 /// has it.
 ///
+/// Floor. Where the ground map says that the body cannot be and nothing stands, there is no floor
+/// (floor_state.h): a planar base takes it for an obstacle of its own height. With
+/// Options::seen_floor it enters no ground either whose floor no ray has met, whatever the policy
+/// on unknown space, but for what it covers at the start.
+///
 /// A robot that starts within its margin can leave, and may not come nearer: the body is grown by
 /// `reduced_margin_share` times the largest c <= margin with which it touches nothing at the start
 /// (found by bisection, to 0.1 mm). If even the true body touches voxels there, these are tolerated
@@ -110,7 +116,9 @@ class Certifier {
     double margin = 0.01;  ///< by which the body is grown [m], > 0
     UnknownPolicy unknown = UnknownPolicy::kBraking;
     VerticalExtent slice = {0.1, 0.5};  ///< RobotDescription::slice(); planar bases only
-    double max_tail_time = 10.0;        ///< [s]; a tail that has not come to rest by then fails
+    bool seen_floor = false;  ///< ground whose floor no ray has met is closed; planar bases only
+    double step = 0.05;       ///< [m] HeightSlice::step of the maps
+    double max_tail_time = 10.0;  ///< [s]; a tail that has not come to rest by then fails
     /// What a robot within its margin keeps of the distance it has, 0 to 1. With 1 it cannot creep
     /// up to things, with 0 it may do all but touch: for who checks once more what was certified
     /// before, from a slightly different pose (guard.h).

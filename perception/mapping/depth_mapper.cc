@@ -167,7 +167,15 @@ bool DepthMapper::make_scan(const DepthImage& image, MappedFrame& frame, DepthSc
       const double margin =
           std::clamp(options_.ground.gate * ground_sigma(std::max(0.0, t.z()), z, options_.ground),
                      options_.floor_margin, options_.most_margin);
-      if (above < -margin) continue;
+      if (above < -margin) {
+        // By the measured plane and by the pose: then the ray went on through the floor's plane.
+        const double through = -std::max(margin, map_->options().slice.step);
+        if (above < through && p_W.z() < through) {
+          scan.hits.push_back(p_W);
+          ++frame.below;
+        }
+        continue;
+      }
       if (above <= margin) {
         scan.hits.emplace_back(p_W.x(), p_W.y(), -kJustBelow);
         ++frame.floor;
@@ -225,7 +233,7 @@ MappedFrame DepthMapper::process(double stamp, const DepthImage& image,
   const bool plausible = make_scan(image, out, scan);
   out.times.scan = clock.lap();
   if (!plausible) {
-    out.hits = out.floor = out.misses = 0;
+    out.hits = out.floor = out.misses = out.below = 0;
     return reject("too much lies below the floor");
   }
   poses_.accept(stamp, T_WC);

@@ -74,6 +74,7 @@ struct MappedFrame {
   Eigen::Isometry3d T_WC = Eigen::Isometry3d::Identity();
   double valid = 0.0;                   ///< share of the pixels
   int hits = 0, floor = 0, misses = 0;  ///< rays entered: at obstacles, at the floor, beyond range
+  int below = 0;                        ///< ... that went on through the floor's plane
   DepthMapperTimes times;
 };
 
@@ -90,7 +91,10 @@ struct MappedFrame {
 ///              is above it, makes the layer below z = 0 occupied, and is never an obstacle;
 ///   an edge    between two surfaces: says nothing;
 ///   obstacle   e > margin: a hit; beyond the map's range, a ray that clears up to that range;
-///   below      e < -margin: says nothing (a reflection, a hole; a hole stays unknown).
+///   below      e < -margin: where it is deeper than the robot's step, too, by the measured plane
+///   and
+///              by the pose, a hit there, so the floor is missing where the ray went through its
+///              plane (OccupancyMapper); else it says nothing.
 /// A pixel without a valid depth says nothing: it neither clears nor occupies.
 ///
 /// States. Ok. Degraded: the scan was entered, but no ground was found in it, or a half of the

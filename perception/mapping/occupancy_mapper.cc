@@ -57,10 +57,12 @@ struct Brick {
   std::uint64_t order = 0;                     // Morton order of bricks
 };
 
-struct Columns {  // of an 8 x 8 square of ground cells: counts over the slice's layers
+struct Columns {  // of an 8 x 8 square of ground cells: counts over layers, of the slice's
   std::uint16_t occupied[kBrick * kBrick] = {};
   std::uint16_t free[kBrick * kBrick] = {};
-  CellState sight[kBrick * kBrick] = {};  // of the voxel at the line of sight
+  std::uint16_t floor[kBrick * kBrick] = {};       // occupied, of the floor's layers
+  std::uint16_t free_below[kBrick * kBrick] = {};  // free, of those below z = 0
+  CellState sight[kBrick * kBrick] = {};           // of the voxel at the line of sight
   bool changed[kBrick * kBrick] = {};
   int bx = 0, by = 0;
 };
@@ -113,6 +115,8 @@ struct Walk {
 
 // What a scan says of a voxel: a byte of a sum of these.
 constexpr std::uint8_t kPassed = 1, kEndedIn = 2, kGrazed = 4;
+// ... and of one of the floor's: a ray went on through the floor's plane in it.
+constexpr std::uint8_t kWentThrough = 8;
 
 // Where a scan is marked.
 struct Marking {
@@ -122,14 +126,19 @@ struct Marking {
   int layer;            // that the rays come from
   std::uint8_t* marks;
 
+  // 1 where the ray, as far as it is in the layer, passes the axis of the voxel that it is in.
+  int passes_axis(const Walk& w) const {
+    const Place& at = w.place;
+    const double outside = (std::abs(at.above) - half) * w.spread;
+    const double off = std::max(std::max(outside, at.past), 0.0);
+    return at.beside * at.beside + off * off <= core_squared;
+  }
   // Marks the voxel that the ray is in, by those of `what` that hold: as far as the ray is in the
   // layer, it passes the axis, inside the layer or grazing it. Without a branch: it cannot be
   // foreseen.
   void mark(const Walk& w, std::uint8_t what = kPassed | kGrazed) const {
     const Place& at = w.place;
-    const double outside = (std::abs(at.above) - half) * w.spread;
-    const double off = std::max(std::max(outside, at.past), 0.0);
-    const int passes = at.beside * at.beside + off * off <= core_squared;
+    const int passes = passes_axis(w);
     const int inside = (w.v[2] == layer) | (half + at.above * w.up >= depth);
     const int mark = inside * kPassed + (1 - inside) * kGrazed;
     marks[w.index] |= static_cast<std::uint8_t>(-passes & mark & what);
@@ -166,6 +175,7 @@ struct OccupancyMapper::Impl {
   float threshold = 0.0F;
   int k_low = 0, k_end = 0;  // layers kept
   SliceLayers slice;
+  bool has_floor = true;  // its layers are kept
 
   std::unordered_map<std::uint64_t, std::uint32_t> brick_at;
   std::vector<std::unique_ptr<Brick>> bricks;
@@ -202,6 +212,7 @@ struct OccupancyMapper::Impl {
   int size[3] = {0, 0, 0};  // multiples of 8
   Walk abreast[kAbreast];   // the first `walks` of them are to be marked yet
   int walks = 0;
+  std::vector<Eigen::Vector3d> below_floor;  // ends of rays that went on through the floor's plane
 
   explicit Impl(const OccupancyMapperOptions& o);
 
@@ -223,6 +234,11 @@ struct OccupancyMapper::Impl {
   /// include_end: at once, or abreast with the next rays, which have the same origin.
   void mark_ray(const Eigen::Vector3d& from, const Eigen::Vector3d& to, bool include_end);
   void mark_abreast(const Eigen::Vector3d& from);
+  /// Where the rays that end in `below_floor` went through the floor's layers.
+  void mark_floor(const Eigen::Vector3d& from);
+  bool is_floor(int k) const { return has_floor && k >= slice.floor.k_floor && k < 0; }
+  /// Deeper than what the robot drives down.
+  bool is_below_floor(double z) const { return has_floor && z < -options.slice.step; }
   void apply_marks();
 
   void sync();
@@ -257,6 +273,7 @@ OccupancyMapper::Impl::Impl(const OccupancyMapperOptions& o) : options(o) {
   ground[0].map = std::make_shared<GroundMap>(frame);
   k_low = mirror[0].voxels->k0();
   k_end = k_low + mirror[0].voxels->depth();
+  has_floor = slice.floor.k_floor >= k_low;
 }
 
 Brick& OccupancyMapper::Impl::brick(int bx, int by, int bz) {
@@ -314,12 +331,19 @@ void OccupancyMapper::Impl::set_value(Brick& b, std::uint32_t index, int m, std:
   if (occupied == was_occupied && known) return;
   const int k = b.bz * kBrick + compact(m >> 2);
   const bool in_slice = k >= slice.k_low && k <= slice.k_high;
-  if (!in_slice && k != slice.k_sight) return;
+  const bool is_support = k >= slice.floor.k_floor && k < slice.floor.k_body;
+  if (!in_slice && !is_support && k != slice.k_sight) return;
   Columns& c = *columns[column];
   const int cell = compact(m) + kBrick * compact(m >> 1);
   if (in_slice) {
     c.occupied[cell] = static_cast<std::uint16_t>(c.occupied[cell] + occupied - was_occupied);
     c.free[cell] = static_cast<std::uint16_t>(c.free[cell] + !occupied - was_free);
+  }
+  if (is_support) {
+    c.floor[cell] = static_cast<std::uint16_t>(c.floor[cell] + occupied - was_occupied);
+    if (k < 0) {
+      c.free_below[cell] = static_cast<std::uint16_t>(c.free_below[cell] + !occupied - was_free);
+    }
   }
   if (k == slice.k_sight) c.sight[cell] = occupied ? CellState::kOccupied : CellState::kFree;
   if (!c.changed[cell]) {
@@ -346,7 +370,8 @@ void OccupancyMapper::Impl::flush_ground() {
     Columns& c = *columns[block];
     c.changed[cell] = false;
     const Cell address{c.bx * kBrick + cell % kBrick, c.by * kBrick + cell / kBrick};
-    const CellState state = project_column(c.occupied[cell], c.free[cell]);
+    const FloorState floor = floor_state(c.floor[cell], c.free_below[cell], -slice.floor.k_floor);
+    const CellState state = project_column(c.occupied[cell], c.free[cell], floor);
     const bool sight = see_through(state, slice.k_sight ? c.sight[cell] : state);
     if (now.state(address) == state && now.see_through(address) == sight) continue;
     changes.push_back({address, state, sight});
@@ -480,6 +505,27 @@ void OccupancyMapper::Impl::mark_abreast(const Eigen::Vector3d& from) {
   }
 }
 
+void OccupancyMapper::Impl::mark_floor(const Eigen::Vector3d& from) {
+  const Marking marking = marking_from(from);
+  const auto mark = [&](const Walk& w) {
+    if (!is_floor(w.v[2]) || w.v[2] < box[2] || w.v[2] >= box[2] + size[2]) return;
+    if (marking.passes_axis(w) != 0) marks[static_cast<std::size_t>(w.index)] |= kWentThrough;
+  };
+  const double bottom = slice.floor.k_floor * options.resolution;
+  for (const Eigen::Vector3d& end : below_floor) {
+    const Eigen::Vector3d ray = end - from;
+    const double last = std::min(1.0, (bottom - from.z()) / ray.z());
+    if (!(ray.z() < 0.0) || !(last > 0.0)) continue;
+    Walk w = begin_walk(from, from + last * ray, false);
+    for (; w.remaining > 0; --w.remaining) {
+      mark(w);
+      w.advance();
+    }
+    mark(w);
+  }
+  below_floor.clear();
+}
+
 void OccupancyMapper::Impl::apply_marks() {
   for (int x = 0; x < size[0]; x += kBrick) {
     for (int y = 0; y < size[1]; y += kBrick) {
@@ -510,6 +556,13 @@ void OccupancyMapper::Impl::apply_marks() {
               if (run[dz] == 0) continue;
               const int k = box[2] + z + dz;
               if (k < k_low || k >= k_end) continue;
+              // A ray that ends on the floor, or in its noise, says nothing of what is below it.
+              if (is_floor(k)) {
+                run[dz] = (run[dz] & kEndedIn) != 0       ? kEndedIn
+                          : (run[dz] & kWentThrough) != 0 ? kPassed
+                                                          : std::uint8_t{0};
+                if (run[dz] == 0) continue;
+              }
               const int m = morton(dx, dy, dz);
               if (written != nullptr) {
                 EvidenceTable::State& s =
@@ -732,7 +785,9 @@ void OccupancyMapper::insert(const DepthScan& scan) {
   if (m.marks.size() < volume) m.marks.resize(volume, 0);
 
   const auto walk_miss = [&](const Eigen::Vector3d& direction) {
-    m.mark_ray(scan.origin, scan.origin + direction * max_range, false);
+    const Eigen::Vector3d end = scan.origin + direction * max_range;
+    m.mark_ray(scan.origin, end, false);
+    if (m.is_below_floor(end.z())) m.below_floor.push_back(end);
   };
   for (const Eigen::Vector3d& point : scan.hits) {
     const Eigen::Vector3d ray = point - scan.origin;
@@ -746,11 +801,18 @@ void OccupancyMapper::insert(const DepthScan& scan) {
     const double offset =
         std::min(0.5 * r, m.options.offset_constant + m.options.offset_quadratic * range * range);
     const Eigen::Vector3d end = point + direction * offset;
+    Eigen::Vector3d surface = end / r;
     int voxel[3];
     int measured[3];
     for (int a = 0; a < 3; ++a) {
       voxel[a] = address_of(end[a], r);
       measured[a] = address_of(point[a], r);
+    }
+    // What is deeper than the robot's step is none of the floor's layers.
+    if (m.is_below_floor(point.z())) {
+      m.below_floor.push_back(point);
+      voxel[2] = std::min(voxel[2], m.slice.floor.k_floor - 1);
+      surface.z() = std::min(surface.z(), m.slice.floor.k_floor - 0.5);
     }
     const bool same = voxel[0] == measured[0] && voxel[1] == measured[1] && voxel[2] == measured[2];
     // The measured point may lie in a voxel before the one entered as hit: that one was passed.
@@ -760,7 +822,7 @@ void OccupancyMapper::insert(const DepthScan& scan) {
                static_cast<std::size_t>(voxel[1] - m.box[1])) *
                   static_cast<std::size_t>(m.size[2]) +
               static_cast<std::size_t>(voxel[2] - m.box[2])] |= kEndedIn;
-      if (m.evidence != nullptr) m.evidence->add_hit(end / r, voxel[0], voxel[1], voxel[2]);
+      if (m.evidence != nullptr) m.evidence->add_hit(surface, voxel[0], voxel[1], voxel[2]);
     }
   }
   for (const Eigen::Vector3d& point : scan.misses) {
@@ -770,6 +832,7 @@ void OccupancyMapper::insert(const DepthScan& scan) {
     walk_miss(ray / range);
   }
   m.mark_abreast(scan.origin);
+  m.mark_floor(scan.origin);
   m.apply_marks();
   m.flush_ground();
 }
@@ -802,6 +865,31 @@ void OccupancyMapper::clear_cylinder(const Eigen::Vector3d& base, double radius,
       }
     }
   }
+  m.flush_ground();
+}
+
+void OccupancyMapper::assume_floor(const Eigen::Vector2d& at, double radius) {
+  Impl& m = *impl_;
+  const double r = m.options.resolution;
+  if (!m.has_floor || !at.allFinite() || !(radius > 0.0 && radius < 1000.0 * r) ||
+      at.cwiseAbs().maxCoeff() > (kMaxAddress - 2048) * r) {
+    return;
+  }
+  const std::uint64_t surface = m.surface;
+  const auto address = [r](double x) { return static_cast<int>(std::floor(x / r)); };
+  for (int j = address(at.y() - radius); j <= address(at.y() + radius); ++j) {
+    for (int i = address(at.x() - radius); i <= address(at.x() + radius); ++i) {
+      if (std::hypot((i + 0.5) * r - at.x(), (j + 0.5) * r - at.y()) > radius) continue;
+      const int bx = i >> 3, by = j >> 3, bz = -1, v = morton(i & 7, j & 7, kBrick - 1);
+      Brick& b = m.brick(bx, by, bz);
+      const std::uint64_t bit = std::uint64_t{1} << (v & 63);
+      if ((b.known[v >> 6] & bit) != 0) continue;
+      m.set_value(b, m.brick_at.find(pack(bx, by, bz))->second, v, m.column_block(bx, by), m.hit);
+      m.write_told(bx, by, bz, v, m.hit);
+      b.surface[v >> 6] &= ~bit;
+    }
+  }
+  m.surface = surface;
   m.flush_ground();
 }
 

@@ -45,7 +45,7 @@ struct OccupancyMapperOptions {
   double max_range = 4.0;   ///< [m]: nothing is learned farther from the origin than this
   double z_min = -0.3;      ///< [m]: voxels outside [z_min, z_max] are not kept
   double z_max = 2.5;
-  HeightSlice slice;  ///< heights projected on the ground map
+  HeightSlice slice;  ///< heights projected on the ground map; its step: what the robot drives down
   /// Sensor model of OctoMap: probabilities of a hit and a miss, and bounds of a voxel's
   /// probability.
   double probability_hit = 0.7;
@@ -97,7 +97,15 @@ std::string layers_misfit(const OccupancyMapperOptions& options);
 ///            box or along a floor do not open it.
 /// So the rays of a lidar of one plane clear as much on a face of the lattice as in the middle of a
 /// layer, and those of one that is tilted clear all the way.
-/// With core >= 0.9 the states are those of OctoMap's insertPointCloud on the same points.
+/// With core >= 0.9 the states are those of OctoMap's insertPointCloud on the same points, but in
+/// the floor's layers.
+///
+/// The floor. In its layers, those from z = 0 down to the robot's step (floor_state.h), a ray says
+/// something only if it ends in them, or went on through them: it ends, or its range does, deeper
+/// than the step. Then there is no surface where it was in them, a "virtual surface": an upper
+/// bound of what lies there. So the noise of rays that end on the floor opens no holes in it. A hit
+/// that is deeper than the step is entered below the floor's layers. Not so where the step is
+/// deeper than z_min, as of a robot that flies: then nothing is known of the floor.
 ///
 /// Snapshots. octree(), voxels() and ground() return the map after the last insert and never change
 /// afterwards: later changes go to another copy as long as a snapshot is held elsewhere. Each map
@@ -131,6 +139,11 @@ class OccupancyMapper {
   /// Makes all voxels whose centre lies in the vertical cylinder around `base` [m, in W] free with
   /// certainty, except occupied ones: the space that the robot's own body fills.
   void clear_cylinder(const Eigen::Vector3d& base, double radius, double height);
+
+  /// Makes the floor known, as if it had been seen once, where nothing is known of it and a cell's
+  /// centre lies within `radius` [m] of `at` [m, in W]: what somebody states of the start. It
+  /// counts as no surface that was seen. Nothing in a map that knows nothing of the floor.
+  void assume_floor(const Eigen::Vector2d& at, double radius);
 
   /// Enters a map that was made before, as if each voxel that it knows had been seen once: what is
   /// seen from now on corrects it. Its surfaces do not count as seen. Throws std::invalid_argument

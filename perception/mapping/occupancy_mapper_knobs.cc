@@ -43,6 +43,8 @@ void describe(Knobs& knobs, OccupancyMapperOptions& o) {
   knobs.number("z_min", o.z_min, {-400.0, 400.0}, "m", "voxels below are not kept");
   knobs.number("z_max", o.z_max, {-400.0, 400.0}, "m", "voxels above are not kept");
   knobs.require(o.z_max > o.z_min, "z_max", "z_max <= z_min; expected more");
+  knobs.number("step", o.slice.step, {0.0, 1000.0}, "m",
+               "drop of the floor that the robot drives down; deeper is no ground");
   knobs.number("probability_hit", o.probability_hit, {0.5, 0.999}, "1",
                "that a voxel is occupied in which a ray ended");
   knobs.number("probability_miss", o.probability_miss, {0.001, 0.5}, "1",

@@ -45,12 +45,17 @@ bool ScanMapper::make_scan(const DepthScan& scan_S, const Eigen::Isometry3d& T_W
     if (!(range > 0.0)) continue;
     ++points;
     far_below += p_W.z() < -kFarBelow;
-    if (p_W.z() < -options_.floor_margin) continue;
+    const bool below = p_W.z() < -std::max(options_.floor_margin, map_->options().slice.step);
+    if (p_W.z() < -options_.floor_margin && !below) continue;
     if (range > reach) {
       const Eigen::Vector3d seen = t + reach / range * (p_W - t);
       if (!first_in_its_cube(seen)) continue;
       scan.misses.push_back(p_W);
       ++frame.misses;
+    } else if (below) {
+      if (!first_in_its_cube(p_W)) continue;
+      scan.hits.push_back(p_W);
+      ++frame.below;
     } else if (p_W.z() <= options_.floor_margin) {
       const Eigen::Vector3d flat(p_W.x(), p_W.y(), -kJustBelow);
       if (!first_in_its_cube(flat)) continue;
@@ -80,7 +85,7 @@ MappedFrame ScanMapper::process(double stamp, const DepthScan& scan_S,
   const auto reject = [&out](const char* why) {
     add_reason(out.reason, why);
     out.state = Mapping::kRejected;
-    out.hits = out.floor = out.misses = 0;
+    out.hits = out.floor = out.misses = out.below = 0;
     return out;
   };
   if (!std::isfinite(stamp)) return reject("the time is not a number");

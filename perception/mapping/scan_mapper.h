@@ -32,7 +32,9 @@ void describe(Knobs& knobs, ScanMapperOptions& options);
 /// A point at height z in W is
 ///   floor      |z| <= floor_margin: entered as a hit just below z = 0, at its x and y;
 ///   obstacle   above: a hit; beyond the map's range, a ray that clears up to that range;
-///   below      says nothing.
+///   below      where it is deeper than the robot's step, a hit there: the floor is missing where
+///   the
+///              ray went through its plane; else it says nothing.
 /// The floor is not measured: height and tilt of the lidar are those of its poses.
 ///
 /// States. Ok. Rejected: nothing was entered; the scan has no ray, all its points are those of the

@@ -43,6 +43,8 @@ struct PerceptionOptions {
   /// Of B in W, where the first pair is taken; z, the height of B's origin above the floor, is
   /// kept.
   Pose start;
+  /// Radius [m] about the start within which somebody states that there is floor; 0: nobody does.
+  double start_floor = 0.0;
   /// T_WB where the first pair is taken, of a body that is free in space: carried, flying, on
   /// uneven ground. Then `start` is not used, and wheels cannot measure the motion. None: the body
   /// moves in the plane.

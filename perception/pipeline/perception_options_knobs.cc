@@ -28,6 +28,8 @@ void describe(Knobs& knobs, PerceptionOptions& o) {
   knobs.number("pose_degraded", o.pose_degraded, {0.0, 1000.0}, "m",
                "of a pose from outside: standard deviation a metre ahead; more: it is degraded");
   knobs.number("pose_lost", o.pose_lost, {0.0, 1000.0}, "m", "likewise; more: it is lost");
+  knobs.number("start_floor", o.start_floor, {0.0, 10.0}, "m",
+               "about the start, where there is floor as a person states; 0: nobody does");
   knobs.integer("most_waiting", o.most_waiting, {0, 100000}, "1",
                 "depth images and scans that wait");
 }

@@ -9,10 +9,11 @@
 
 #include "engine/maps/belief.h"
 #include "engine/maps/clearance_field.h"
+#include "engine/maps/map_projection.h"
 
 namespace prospect::test {
 
-/// Maps for the tests of clearance: voxels and the ground map that belongs to them.
+/// Maps for the tests of clearance: voxels and the ground map of the default slice.
 struct ObstacleWorld {
   VoxelGrid voxels;
   GroundMap ground;
@@ -37,7 +38,8 @@ struct ObstacleWorld {
 
   void occupy(int i, int j, int k) {
     voxels.set(i, j, k, CellState::kOccupied);
-    ground.set({i, j}, CellState::kOccupied);
+    const SliceLayers layers = slice_layers({}, voxels.resolution());
+    if (k >= layers.k_low && k <= layers.k_high) ground.set({i, j}, CellState::kOccupied);
   }
   void occupy_column(int i, int j) {
     for (int k = voxels.k0(); k < voxels.k0() + voxels.depth(); ++k) occupy(i, j, k);

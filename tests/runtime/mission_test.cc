@@ -238,6 +238,23 @@ TEST_F(Mission, ARobotThatIsLostEndsIt) {
   EXPECT_LE(robot_.clock, 103.0);
 }
 
+TEST_F(Mission, AFallEndsIt) {
+  struct Fallen final : Truth {
+    TrueState at(const Belief&) override { return newest(); }
+    TrueState newest() const override {
+      TrueState state;
+      state.fallen = ++asked > 2;
+      return state;
+    }
+    mutable int asked = 0;
+  } truth;
+  options_.truth = &truth;
+  const MissionResult result = run_mission(robot_, planner_, guard_, options_);
+  EXPECT_EQ(result.end, MissionEnd::kFallen);
+  EXPECT_EQ(row_of(result.end).outcome, Outcome::kFailed);
+  EXPECT_NE(result.detail.find("no floor"), std::string::npos) << result.detail;
+}
+
 TEST_F(Mission, TellsOfCommandsAndPictures) {
   struct Watching final : MissionObserver {
     void on_command(double time, const Twist& command) override {

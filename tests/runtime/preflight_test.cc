@@ -26,6 +26,7 @@ Facts well() {
   f.floor = Facts::Floor{0.45, 0.452, 0.0, 0.003, 0.0, -0.002, 0.002, 0.002};
   f.body = VerticalExtent{0.1, 0.5};
   f.resolution = 0.1;
+  f.floor_ahead = Facts::FloorAhead{FloorSight{0.9, 3.9}, 0.2, 0.6};
   f.stereo_offset = 0.0002;
   f.clocks = {{"cameras", -1.7e9, 0}};
   f.streams = {{"cameras", 0.05, 0.3, 4.0}, {"depth", 0.1, 0.5, 4.0}};
@@ -59,11 +60,11 @@ std::vector<std::string> names_of(const std::vector<CheckResult>& results) {
 TEST(Preflight, PassesARobotThatIsAsItShouldBe) {
   const std::vector<CheckResult> results = checks_before_motion(well());
   EXPECT_THAT(names_of(results),
-              ::testing::ElementsAre("camera height", "camera tilt", "body above the floor",
-                                     "cameras in step", "clock of cameras", "stream of cameras",
-                                     "stream of depth", "localization", "ranges", "base",
-                                     "emergency stop", "priority of commands", "dead-man",
-                                     "largest speed", "largest yaw rate", "deceleration"));
+              ::testing::ElementsAre(
+                  "camera height", "camera tilt", "body above the floor", "floor ahead",
+                  "cameras in step", "clock of cameras", "stream of cameras", "stream of depth",
+                  "localization", "ranges", "base", "emergency stop", "priority of commands",
+                  "dead-man", "largest speed", "largest yaw rate", "deceleration"));
   for (const CheckResult& result : results) {
     EXPECT_EQ(to_string(result.verdict), "passed") << result.check << ": " << result.why;
     EXPECT_FALSE(result.why.empty());
@@ -77,6 +78,7 @@ TEST(Preflight, SkipsNothingInSilence) {
   const std::map<std::string, CheckVerdict> expected = {{"camera height", kNotPossible},
                                                         {"camera tilt", kNotPossible},
                                                         {"body above the floor", kNotPossible},
+                                                        {"floor ahead", kNotPossible},
                                                         {"cameras in step", kNotPossible},
                                                         {"clocks", kNotPossible},
                                                         {"streams", kFailed},
@@ -124,9 +126,10 @@ TEST(Preflight, OfARobotWithoutCamerasNothingIsAskedOfThem) {
     return std::vector<std::string>(all.begin(), std::find(all.begin(), all.end(), "clocks"));
   };
   using Names = std::vector<std::string>;
-  EXPECT_EQ(names(false, false), Names{"body above the floor"});
-  EXPECT_EQ(names(false, true), (Names{"body above the floor", "cameras in step"}));
-  EXPECT_EQ(names(true, false), (Names{"camera height", "camera tilt", "body above the floor"}));
+  EXPECT_EQ(names(false, false), (Names{"body above the floor", "floor ahead"}));
+  EXPECT_EQ(names(false, true), (Names{"body above the floor", "floor ahead", "cameras in step"}));
+  EXPECT_EQ(names(true, false),
+            (Names{"camera height", "camera tilt", "body above the floor", "floor ahead"}));
 }
 
 TEST(Preflight, TableOfFaults) {
@@ -187,6 +190,21 @@ TEST(Preflight, TableOfFaults) {
             kFailed},
            {"none is set up", [](Facts& f) { f.emergency_stop.reset(); }, "emergency stop",
             kNotPossible},
+           {"nothing looks at the floor", [](Facts& f) { f.floor_ahead->sight.reset(); },
+            "floor ahead", kWarned},
+           {"too fast for what is seen",
+            [](Facts& f) {
+              f.speed = {4.0, 3.0};
+            },
+            "floor ahead", kWarned},
+           {"just in time",
+            [](Facts& f) {
+              const double v = f.speed.model;
+              f.floor_ahead->sight->to = 0.2 + 0.6 * v + v * v / 2.0 / f.deceleration.model + 1e-9;
+            },
+            "floor ahead", kPassed},
+           {"speed is no number", [](Facts& f) { f.floor_ahead->delay = kNan; }, "floor ahead",
+            kWarned},
            {"no dead-man", [](Facts& f) { f.dead_man.reset(); }, "dead-man", kFailed},
            {"never", [](Facts& f) { f.dead_man = INFINITY; }, "dead-man", kFailed},
            {"too late", [](Facts& f) { f.dead_man = 1.5; }, "dead-man", kFailed},

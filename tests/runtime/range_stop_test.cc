@@ -173,6 +173,53 @@ TEST(RangeStop, TableOfChecks) {
   }
 }
 
+/// A depth image from the height 0.45 m of a floor at z = `floor` that ends at x = edge; beyond it
+/// is one that is `deeper` [m], or nothing in range.
+RangeFrame image_of_edge(double edge, double deeper, double floor = 0.0) {
+  RangeFrame frame;
+  frame.stamp = 10.0;
+  frame.origin = {0.1, 0.0, floor + 0.45};
+  for (double a = -30.0; a <= 30.0; a += 1.0) {
+    for (double e = 1.0; e <= 27.0; e += 0.5) {
+      const Eigen::Vector3d d(std::cos(e * kDegree) * std::cos(a * kDegree),
+                              std::cos(e * kDegree) * std::sin(a * kDegree),
+                              -std::sin(e * kDegree));
+      double range = 0.45 / -d.z();
+      if (frame.origin.x() + range * d.x() > edge) range = (0.45 + deeper) / -d.z();
+      frame.rays.push_back(
+          {frame.origin + std::min(range, kRange) * d, range < kRange ? Kind::kHit : Kind::kClear});
+    }
+  }
+  return frame;
+}
+
+TEST(RangeStop, StopsBeforeTheFloorEnds) {
+  RangeStopOptions options;
+  for (const double floor : {0.0, -0.2}) {
+    options.floor = floor;
+    const RangeStop stop(options);
+    for (const double deeper : {0.17, 1.0, 100.0}) {
+      SCOPED_TRACE(deeper);
+      const double edge = 1.2;
+      const RangeFrame frame = image_of_edge(edge, deeper, floor);
+      const RangeStopVerdict verdict = stop.check(frame, twist(1.5), 10.0);
+      EXPECT_EQ(verdict.reason, RangeStopReason::kNoFloor);
+      EXPECT_THAT(verdict.text, HasSubstr("no floor"));
+      EXPECT_NEAR(verdict.point.x(), edge, 0.15);
+      // What it may drive ends before the edge.
+      const double v = 1.5 * verdict.share;
+      EXPECT_LT(v * options.reaction_time + 0.5 * v * v / options.deceleration,
+                edge - options.front);
+      EXPECT_GT(verdict.share, 0.3);
+      EXPECT_EQ(stop.check(frame, twist(-0.2), 10.0).reason, RangeStopReason::kOutOfView);
+    }
+    // A step that it takes, and a floor that goes on.
+    for (const double deeper : {0.08, 0.0}) {
+      EXPECT_EQ(stop.check(image_of_edge(1.2, deeper, floor), twist(1.5), 10.0).share, 1.0);
+    }
+  }
+}
+
 TEST(RangeStop, SaysWhatIsInTheWay) {
   const RangeStopVerdict v =
       RangeStop().check(with_points(kOpen, three(0.5, 0.1)), twist(0.5), 10.1);

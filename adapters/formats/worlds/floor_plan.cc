@@ -30,7 +30,8 @@ constexpr int kWall = 2;
 
 class FloorPlan {
  public:
-  FloorPlan(std::uint64_t seed, const std::optional<FloorPlanSize>& size) : generator_(seed) {
+  FloorPlan(std::uint64_t seed, const std::optional<FloorPlanSize>& size, PlanFloor floor)
+      : generator_(seed) {
     columns_ = size ? size->columns : draw(3, 4);
     rows_ = size ? size->rows : draw(2, 3);
     std::vector<int> x{0}, y{0};
@@ -43,6 +44,9 @@ class FloorPlan {
     }
     open_doors();
     for (const Box& room : rooms_) furnish(room);
+    if (floor == PlanFloor::kDrops) {
+      for (const Box& room : rooms_) lower_floor(room);
+    }
   }
 
   std::string yaml(const std::string& name) {
@@ -66,10 +70,20 @@ class FloorPlan {
               std::to_string(height % 10) + "], texture: " + pick({"wood", "posters", "plaster"}) +
               "}\n";
     }
+    if (!drops_.empty()) text += "drops:\n";
+    for (const Drop& drop : drops_) {
+      text += "  - {box: " + drop.box.text() + ", depth: " + std::to_string(drop.depth / 10) + "." +
+              std::to_string(drop.depth % 10) + "}\n";
+    }
     return text;
   }
 
  private:
+  struct Drop {
+    Box box;
+    int depth;
+  };
+
   static std::size_t at(int i) { return static_cast<std::size_t>(i); }
   /// A whole number in [least, most]; not std::uniform_int_distribution, whose numbers are the
   /// library's own.
@@ -139,19 +153,59 @@ class FloorPlan {
     }
   }
 
+  /// A hole, a dock along a wall, or a stair down beside one; none where there is no place for it
+  /// away from doors, furniture and other drops.
+  void lower_floor(const Box& room) {
+    constexpr int kTries = 8, kRun = 3, kRise = 2;
+    for (int tries = 0; tries < kTries; ++tries) {
+      const int kind = draw(0, 2), side = draw(0, 3);
+      const int steps = kind == 2 ? draw(3, 6) : 1;
+      const int length = kind == 2 ? kRun * steps : draw(5, 14);  // along the wall
+      const int width = kind == 2 ? draw(9, 12) : draw(4, 9);     // away from it
+      const int off = kind == 0 ? draw(0, 12) : 0;
+      const int depth = kind == 0 ? draw(2, 50) : draw(6, 12);  // of a hole, of a dock
+      const bool along_x = side < 2;
+      const int most = along_x ? room.x1 - room.x0 - length : room.y1 - room.y0 - length;
+      const int at = draw(0, most);
+      const auto box = [&](int from, int to) {
+        const int near = off, far = off + width;
+        if (side == 0) return Box{room.x0 + from, room.y0 + near, room.x0 + to, room.y0 + far};
+        if (side == 1) return Box{room.x0 + from, room.y1 - far, room.x0 + to, room.y1 - near};
+        if (side == 2) return Box{room.x0 + near, room.y0 + from, room.x0 + far, room.y0 + to};
+        return Box{room.x1 - far, room.y0 + from, room.x1 - near, room.y0 + to};
+      };
+      const Box whole = box(at, at + length);
+      const auto near_to = [&](const Box& other) { return whole.within(other, 7); };
+      if (std::any_of(doors_.begin(), doors_.end(), near_to) ||
+          std::any_of(furniture_.begin(), furniture_.end(), near_to) ||
+          std::any_of(drops_.begin(), drops_.end(),
+                      [&](const Drop& drop) { return near_to(drop.box); })) {
+        continue;
+      }
+      for (int step = 0; step < steps; ++step) {
+        const Box tread = steps == 1 ? whole : box(at + kRun * step, at + kRun * (step + 1));
+        drops_.push_back({tread, kind == 2 ? kRise * (step + 1) : depth});
+      }
+      return;
+    }
+  }
+
   std::mt19937_64 generator_;
   int columns_ = 0, rows_ = 0;
   std::vector<Box> rooms_, doors_, furniture_;
+  std::vector<Drop> drops_;
 };
 
 }  // namespace
 
-std::string random_floor_plan(std::uint64_t seed, const std::optional<FloorPlanSize>& size) {
-  return FloorPlan(seed, size).yaml(floor_plan_name(seed, size));
+std::string random_floor_plan(std::uint64_t seed, const std::optional<FloorPlanSize>& size,
+                              PlanFloor floor) {
+  return FloorPlan(seed, size, floor).yaml(floor_plan_name(seed, size, floor));
 }
 
-std::string floor_plan_name(std::uint64_t seed, const std::optional<FloorPlanSize>& size) {
-  std::string name = "plan:" + std::to_string(seed);
+std::string floor_plan_name(std::uint64_t seed, const std::optional<FloorPlanSize>& size,
+                            PlanFloor floor) {
+  std::string name = (floor == PlanFloor::kDrops ? "drops:" : "plan:") + std::to_string(seed);
   if (size) name += ":" + std::to_string(size->columns) + "x" + std::to_string(size->rows);
   return name;
 }

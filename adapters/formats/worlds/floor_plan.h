@@ -16,9 +16,15 @@ struct FloorPlanSize {
 /// three or four by two or three unless `size` says otherwise, doors along a random spanning tree
 /// and a few more, furniture along the walls that leaves doors free, textures from posters to white
 /// walls. The same seed and size give the same text on every machine.
-std::string random_floor_plan(std::uint64_t seed, const std::optional<FloorPlanSize>& size = {});
+enum class PlanFloor {
+  kFlat,
+  kDrops  ///< the same plan, with a hole, a dock or a stair down in most rooms
+};
+std::string random_floor_plan(std::uint64_t seed, const std::optional<FloorPlanSize>& size = {},
+                              PlanFloor floor = PlanFloor::kFlat);
 
-/// "plan:SEED", or "plan:SEED:COLUMNSxROWS" where a size is given.
-std::string floor_plan_name(std::uint64_t seed, const std::optional<FloorPlanSize>& size = {});
+/// "plan:SEED", or "plan:SEED:COLUMNSxROWS" where a size is given; of one with drops "drops:SEED".
+std::string floor_plan_name(std::uint64_t seed, const std::optional<FloorPlanSize>& size = {},
+                            PlanFloor floor = PlanFloor::kFlat);
 
 }  // namespace prospect

@@ -179,14 +179,17 @@ bool is_ros_map(const std::string& path) {
 struct FloorPlanChoice {
   std::uint64_t seed = 0;
   std::optional<FloorPlanSize> size;
+  PlanFloor floor = PlanFloor::kFlat;
 };
 
-/// Of "plan:SEED" or "plan:SEED:COLUMNSxROWS"; none: the name is none of a floor plan.
+/// Of "plan:SEED" or "plan:SEED:COLUMNSxROWS", or "drops:" and the same; none: the name is none of
+/// a floor plan.
 std::optional<FloorPlanChoice> floor_plan_choice(const std::string& name) {
-  constexpr std::string_view kPlan = "plan:";
   constexpr int kLeast = 2, kMost = 40;
-  if (!name.starts_with(kPlan)) return std::nullopt;
-  const char* at = name.data() + kPlan.size();
+  const bool drops = name.starts_with("drops:");
+  if (!drops && !name.starts_with("plan:")) return std::nullopt;
+  const std::string kind = drops ? "drops" : "plan";
+  const char* at = name.data() + kind.size() + 1;
   const char* const last = name.data() + name.size();
   // Reads a number; false if there is none.
   const auto number = [&](auto& value) {
@@ -196,8 +199,10 @@ std::optional<FloorPlanChoice> floor_plan_choice(const std::string& name) {
   };
   const auto passed = [&](char c) { return at != last && *at++ == c; };
   FloorPlanChoice choice;
+  if (drops) choice.floor = PlanFloor::kDrops;
   if (!number(choice.seed) || (at != last && *at != ':')) {
-    throw InputError("world '" + name + "': no seed; expected plan:SEED, e.g. plan:7");
+    throw InputError("world '" + name + "': no seed; expected " + kind + ":SEED, e.g. " + kind +
+                     ":7");
   }
   if (at == last) return choice;
   FloorPlanSize size;
@@ -205,9 +210,10 @@ std::optional<FloorPlanChoice> floor_plan_choice(const std::string& name) {
       passed(':') && number(size.columns) && passed('x') && number(size.rows) && at == last;
   if (!given || std::min(size.columns, size.rows) < kLeast ||
       std::max(size.columns, size.rows) > kMost) {
-    throw InputError("world '" + name +
-                     "': no size; expected plan:SEED:COLUMNSxROWS of 2 to 40 rooms each, e.g. "
-                     "plan:7:8x6");
+    throw InputError("world '" + name + "': no size; expected " + kind +
+                     ":SEED:COLUMNSxROWS of 2 to 40 rooms each, "
+                     "e.g. " +
+                     kind + ":7:8x6");
   }
   choice.size = size;
   return choice;
@@ -297,7 +303,8 @@ World load_world(const std::string& name_or_path, const WorldOptions& options) {
     world = world_from_yaml(builtin_world_text(name_or_path), "built-in " + name_or_path,
                             &states_start);
   } else if (const std::optional<FloorPlanChoice> plan = floor_plan_choice(name_or_path)) {
-    world = world_from_yaml(random_floor_plan(plan->seed, plan->size), name_or_path, &states_start);
+    world = world_from_yaml(random_floor_plan(plan->seed, plan->size, plan->floor), name_or_path,
+                            &states_start);
   } else {
     const fs::path path(name_or_path);
     const std::string extension = lower_case_extension(path);
@@ -308,7 +315,7 @@ World load_world(const std::string& name_or_path, const WorldOptions& options) {
       throw InputError(
           like_a_path ? name_or_path + ": no such file; expected a world: " + kExtensions
                       : "unknown world '" + name_or_path + "'" + did_you_mean(name_or_path, names) +
-                            "; expected one of: " + list + ", plan:SEED, or a file");
+                            "; expected one of: " + list + ", plan:SEED, drops:SEED, or a file");
     }
     if (fs::is_directory(path, error)) {
       throw InputError(name_or_path + ": is a directory; expected a world: " + kExtensions);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "adapters/formats/files/input_error.h"
+#include "engine/maps/floor_state.h"
 #include "engine/maps/free_line.h"
 #include "engine/maps/heading_reach.h"
 
@@ -147,6 +148,7 @@ Grid<std::uint8_t> free_columns(const VoxelGrid& voxels, const BodySlice& slice)
   const double r = frame.resolution;
   const int low = static_cast<int>(std::floor(slice.z_min / r + kSlack));
   const int high = static_cast<int>(std::ceil(slice.z_max / r - kSlack)) - 1;
+  const FloorLayers floor{floor_layer(slice.step, r), std::max(low, 0)};
   Grid<std::uint8_t> free(frame, 0);
   if (low < voxels.k0() || high >= voxels.k0() + voxels.depth()) return free;
   const std::vector<CellState>& data = voxels.data();
@@ -155,7 +157,8 @@ Grid<std::uint8_t> free_columns(const VoxelGrid& voxels, const BodySlice& slice)
     const auto begin = data.begin() + static_cast<std::ptrdiff_t>(voxels.index(c.i, c.j, low));
     free.data[static_cast<std::size_t>(n)] =
         std::all_of(begin, begin + (high - low + 1),
-                    [](CellState s) { return s == CellState::kFree; })
+                    [](CellState s) { return s == CellState::kFree; }) &&
+                floor_state(voxels, c, floor) != FloorState::kMissing
             ? 1
             : 0;
   }

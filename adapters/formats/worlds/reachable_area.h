@@ -11,7 +11,8 @@
 namespace prospect {
 
 /// Columns of the world's lattice that are free over the whole body slice: 1 where every voxel
-/// layer that overlaps (z_min, z_max) is kFree, else 0.
+/// layer that overlaps (z_min, z_max) is kFree and the floor is not missing (floor_state.h), else
+/// 0.
 Grid<std::uint8_t> free_columns(const VoxelGrid& voxels, const BodySlice& slice);
 
 /// Columns with ample room to stand: 1 where the distance from the column's centre to the nearest

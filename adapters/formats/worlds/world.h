@@ -20,7 +20,8 @@ struct TexturedMesh;
 /// Voxels: kOccupied, kFree, or kUnknown; unknown voxels of the source map, and everything outside
 /// the grid, are solid to the robot and opaque to its sensors. The floor is z = 0 of W: readers
 /// shift a map by whole voxels so that the floor's surface lies there, and make the layer just
-/// below z = 0 (k = -1) occupied under every column that is free in the layer above it.
+/// below z = 0 (k = -1) occupied under every column that is free in the layer above it, but for
+/// where a world file lowers the floor (floor_state.h: missing).
 struct World {
   std::string name;
   VoxelGrid voxels;
@@ -60,6 +61,7 @@ struct BodySlice {
   double z_max = 0.5;
   double standing_clearance = 0.28;
   RobotShape shape = CylinderShape{};
+  double step = 0.05;  ///< drop of the floor [m] that the robot drives down
 };
 
 /// A quick look at a world, for `prospect list worlds` and messages.

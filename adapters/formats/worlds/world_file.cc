@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "adapters/formats/files/input_error.h"
@@ -42,6 +43,13 @@ struct Furniture {
   std::uint8_t texture = 0;
 };
 
+/// Where the floor of rooms and doors lies lower: a hole, a dock, a step of a stair down.
+struct Drop {
+  Rectangle box;
+  double depth = 0.0;                     // [m]
+  std::optional<std::uint8_t> texture{};  // none: the room's floor
+};
+
 struct Textures {
   std::vector<std::string> names;
   std::vector<double> densities;
@@ -69,6 +77,7 @@ struct Building {
   std::vector<Room> rooms;
   std::vector<Door> doors;
   std::vector<Furniture> furniture;
+  std::vector<Drop> drops;
 };
 
 constexpr int kNoRoom = -1;
@@ -90,10 +99,10 @@ GridFrame frame_of(const Building& building, int layers, int margin, const std::
   frame.j0 = static_cast<int>(std::floor(low.y() / r)) - margin;
   const double columns_x = std::ceil(high.x() / r) + margin - frame.i0;
   const double columns_y = std::ceil(high.y() / r) + margin - frame.j0;
-  if (columns_x * columns_y * (layers + 1.0) > kMostVoxels) {
+  if (columns_x * columns_y * layers > kMostVoxels) {
     throw InputError(source + ": " + std::to_string(static_cast<std::int64_t>(columns_x)) + " x " +
                      std::to_string(static_cast<std::int64_t>(columns_y)) + " x " +
-                     std::to_string(layers + 1) + " voxels; expected at most 4e8, so a smaller " +
+                     std::to_string(layers) + " voxels; expected at most 4e8, so a smaller " +
                      "world or a coarser resolution");
   }
   frame.width = static_cast<int>(columns_x);
@@ -135,11 +144,12 @@ class Builder {
         r_(building.resolution),
         wall_(std::max(1, static_cast<int>(std::lround(building.wall_thickness / r_)))),
         layers_(std::max(1, static_cast<int>(std::lround(building.wall_height / r_)))),
-        frame_(frame_of(building, layers_, wall_ + 1, source)),
+        below_(deepest_floor(building) - 1),
+        frame_(frame_of(building, layers_ - below_, wall_ + 1, source)),
         room_of_(rooms_of(building, frame_)),
         around_(offsets_within(wall_ + 1)),
         world_{building.name,
-               VoxelGrid(frame_, -0.5 * r_, (layers_ - 0.5) * r_),
+               VoxelGrid(frame_, (below_ + 0.5) * r_, (layers_ - 0.5) * r_),
                {},
                building.textures.densities,
                {},
@@ -151,7 +161,7 @@ class Builder {
     for (int n = 0; n < frame_.size(); ++n) {
       const Cell c = frame_.at(n);
       if (const int own = room_of_[c]; own != kNoRoom) {
-        put(c, -1, CellState::kOccupied, building_.rooms[static_cast<std::size_t>(own)].floor);
+        lay_floor(c, building_.rooms[static_cast<std::size_t>(own)].floor);
         for (int k = 0; k < layers_; ++k) put(c, k, CellState::kFree, 0);
       } else {
         between_rooms(c);
@@ -165,6 +175,31 @@ class Builder {
   void put(Cell c, int k, CellState state, std::uint8_t texture) {
     world_.voxels.set(c.i, c.j, k, state);
     world_.texture_class[world_.voxels.index(c.i, c.j, k)] = texture;
+  }
+
+  /// Layer of the surface of a drop's floor: 0 is that of rooms without one.
+  static int floor_of(const Drop& drop, double resolution) {
+    return -std::max(1, static_cast<int>(std::lround(drop.depth / resolution)));
+  }
+  static int deepest_floor(const Building& building) {
+    int deepest = 0;
+    for (const Drop& drop : building.drops) {
+      deepest = std::min(deepest, floor_of(drop, building.resolution));
+    }
+    return deepest;
+  }
+
+  /// Solid from the lowest layer up to the floor, free from there to z = 0. The deepest drop
+  /// counts.
+  void lay_floor(Cell c, std::uint8_t texture) {
+    int floor = 0;
+    for (const Drop& drop : building_.drops) {
+      if (floor_of(drop, r_) >= floor || !drop.box.contains(frame_.center(c))) continue;
+      floor = floor_of(drop, r_);
+      if (drop.texture) texture = *drop.texture;
+    }
+    for (int k = below_; k < floor; ++k) put(c, k, CellState::kOccupied, texture);
+    for (int k = floor; k < 0; ++k) put(c, k, CellState::kFree, 0);
   }
 
   const Door* door_at(const Eigen::Vector2d& p) const {
@@ -200,7 +235,7 @@ class Builder {
     }
     if (const Door* door = door_at(frame_.center(c))) {
       const int open = static_cast<int>(std::lround(door->height / r_));
-      put(c, -1, CellState::kOccupied, nearest != nullptr ? nearest->floor : 0);
+      lay_floor(c, nearest != nullptr ? nearest->floor : std::uint8_t{0});
       for (int k = 0; k < layers_; ++k) {
         put(c, k, k < open ? CellState::kFree : CellState::kOccupied, texture);
       }
@@ -209,7 +244,7 @@ class Builder {
     const bool is_wall =
         nearest != nullptr && std::max(std::abs(toward.i), std::abs(toward.j)) <= wall_;
     if (!is_wall && !beside_door(c)) return;
-    for (int k = -1; k < layers_; ++k) put(c, k, CellState::kOccupied, texture);
+    for (int k = below_; k < layers_; ++k) put(c, k, CellState::kOccupied, texture);
   }
 
   void place(const Furniture& piece) {
@@ -230,6 +265,7 @@ class Builder {
   const Building& building_;
   const double r_;           // [m]
   const int wall_, layers_;  // voxels
+  const int below_;          // the lowest layer
   const GridFrame frame_;
   const Grid<int> room_of_;
   const std::vector<Cell> around_;
@@ -298,6 +334,16 @@ World read(StrictYaml yaml, const std::string& source, bool* states_start) {
     if (!(z[0] < z[1])) map.problem("z", "an empty range; expected z_min < z_max");
     piece.texture = texture(map, "texture", "texture of the piece");
     building.furniture.push_back(piece);
+  }
+
+  for (YamlMap& map : root.maps("drops")) {
+    Drop drop;
+    map.text("name", "", "name of the drop");
+    drop.box = read_box(map);
+    drop.depth = map.required_number("depth", 0.01, 20.0, "m", "of its floor below the others'");
+    if (map.has("texture"))
+      drop.texture = texture(map, "texture", "texture of its floor and sides");
+    building.drops.push_back(drop);
   }
 
   Pose start;

@@ -211,6 +211,7 @@ void share_robot(Configuration& c) {
   c.simulator.features.stereo = c.robot.stereo;
   c.simulator.stereo_mount = c.robot.stereo_mount;
   c.planner.map_resolution = c.perception.mapping.resolution;
+  c.planner.step = c.perception.mapping.slice.step;
 }
 
 /// Returns the paths of settings that others have taken the place of.

@@ -109,6 +109,7 @@ WorldOptions world_options_for(const Configuration& c) {
   options.slice.standing_clearance =
       circumscribed_radius(c.robot.shape) + c.perception.mapping.resolution;
   options.slice.shape = c.robot.shape;
+  options.slice.step = c.perception.mapping.slice.step;
   const Task& task = c.planner.task;
   if (task.kind == TaskKind::kGoTo) options.places.emplace_back(task.goal.position.head<2>());
   if (task.area) options.places.insert(options.places.end(), task.area->begin(), task.area->end());

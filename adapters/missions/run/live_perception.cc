@@ -50,6 +50,7 @@ void clear_start(OccupancyMapper& map, const Configuration& c, const Pose& start
   map.clear_cylinder(start.position,
                      circumscribed_radius(c.robot.shape) + 0.75 * c.perception.mapping.resolution,
                      c.robot.slice().z_max - start.position.z());
+  map.assume_floor(start.position.head<2>(), c.perception.start_floor);
 }
 
 }  // namespace prospect

@@ -121,7 +121,7 @@ class StudyReader {
         continue;
       }
       std::vector<std::string> names;
-      const std::string plan = "plan:";
+      const std::string plan = value.text.starts_with("drops:") ? "drops:" : "plan:";
       const bool several =
           value.text.starts_with(plan) && value.text.find("..") != std::string::npos;
       if (several) {
@@ -129,7 +129,8 @@ class StudyReader {
         const std::optional<NumberRange> range = range_of(value.text.substr(
             plan.size(), colon == std::string::npos ? std::string::npos : colon - plan.size()));
         if (!range) {
-          root_.problem("worlds", value.yaml + "; expected plan:FIRST..LAST, such as plan:0..11");
+          root_.problem("worlds", value.yaml + "; expected " + plan + "FIRST..LAST, such as " +
+                                      plan + "0..11");
           continue;
         }
         const std::string size = colon == std::string::npos ? "" : value.text.substr(colon);

@@ -110,6 +110,7 @@ CameraSensors::CameraSensors(const World& world, const SimulatorOptions& options
     perception_.map().clear_cylinder({d.center.x(), d.center.y(), z}, d.radius,
                                      perception.mapping.slice.z_max - z);
   }
+  perception_.map().assume_floor(start.position.head<2>(), perception.start_floor);
   std::normal_distribution<double> normal;
   wheel_scale_ += options.wheels.sigma_scale * normal(wheel_noise_);
   turn_scale_ += options.wheels.sigma_scale * normal(wheel_noise_);

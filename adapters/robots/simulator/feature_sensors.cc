@@ -78,6 +78,7 @@ FeatureSensors::FeatureSensors(const World& world, const SimulatorOptions& optio
     mapper_->clear_cylinder({d.center.x(), d.center.y(), z}, d.radius,
                             perception.mapping.slice.z_max - z);
   }
+  mapper_->assume_floor(start.position.head<2>(), perception.start_floor);
 }
 
 void FeatureSensors::scan(double stamp, const Pose& true_pose, SeenArea& seen) {

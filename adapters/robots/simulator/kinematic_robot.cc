@@ -206,9 +206,43 @@ bool ContactTest::in_contact(const Pose& pose) const {
   return false;
 }
 
+Stance::Stance(const World& world, const RobotShape& shape, double step)
+    : world_(&world), layers_{floor_layer(step, world.voxels.resolution()), 0} {
+  constexpr int kAround = 16;  // points of a disc
+  for (const OutlinePart& part : ground_outline(shape)) {
+    Eigen::Vector2d middle = Eigen::Vector2d::Zero();
+    for (const Eigen::Vector2d& corner : part.corners) middle += corner;
+    middle /= static_cast<double>(part.corners.size());
+    wheels_.push_back(middle);
+    for (const Eigen::Vector2d& corner : part.corners) {
+      const Eigen::Vector2d drawn_in = middle + kStance * (corner - middle);
+      if (!(part.radius > 0.0)) wheels_.push_back(drawn_in);
+      for (int n = 0; part.radius > 0.0 && n < kAround; ++n) {
+        const double angle = 2.0 * M_PI * n / kAround;
+        wheels_.push_back(drawn_in + kStance * part.radius *
+                                         Eigen::Vector2d(std::cos(angle), std::sin(angle)));
+      }
+    }
+  }
+}
+
+bool Stance::falls(const Pose& pose) const {
+  const Eigen::Rotation2Dd R(pose.yaw);
+  return std::any_of(wheels_.begin(), wheels_.end(), [&](const Eigen::Vector2d& wheel) {
+    const Eigen::Vector2d p = pose.position.head<2>() + R * wheel;
+    const Cell c = world_->voxels.frame().cell(p.x(), p.y());
+    return floor_state(world_->voxels, c, layers_) == FloorState::kMissing;
+  });
+}
+
 KinematicRobot::KinematicRobot(const World& world, const RobotShape& shape,
-                               const ActuationNoise& noise, const Pose& start, std::uint64_t seed)
-    : contact_(world, shape, start.position.z()), noise_(noise), generator_(seed), pose_(start) {
+                               const ActuationNoise& noise, const Pose& start, std::uint64_t seed,
+                               double step)
+    : contact_(world, shape, start.position.z()),
+      stance_(world, shape, step),
+      noise_(noise),
+      generator_(seed),
+      pose_(start) {
   const std::string where = "world '" + world.name + "': start (" +
                             std::to_string(start.position.x()) + ", " +
                             std::to_string(start.position.y()) + ") m ";
@@ -219,6 +253,8 @@ KinematicRobot::KinematicRobot(const World& world, const RobotShape& shape,
           where + "lies outside the map, expected a place inside");
   require(!contact_.in_contact(start),
           where + "is in a wall or other solid space, expected a place where the robot fits");
+  require(!stance_.falls(start),
+          where + "is over a hole or an edge, expected a place with floor under the robot");
   for (const double s : {noise.linear, noise.angular, noise.coupling}) {
     require(std::isfinite(s) && s >= 0.0 && s <= 10.0,
             "actuation noise is " + std::to_string(s) + ", expected 0..10");
@@ -242,6 +278,7 @@ bool KinematicRobot::move(const Twist& twist, double duration) {
   real.yaw_rate *= 1.0 + noise_.angular * e_angular * density;
   real.yaw_rate += noise_.coupling * commanded * e_coupling * density;
   const double speed = real.linear.norm();
+  if (fallen_) return false;
   const double way = (speed + std::abs(real.yaw_rate) * contact_.radius()) * duration;
   if (way <= 0.0) return true;
 
@@ -252,6 +289,8 @@ bool KinematicRobot::move(const Twist& twist, double duration) {
     const Pose next = advance(start, real, duration * (done + 1) / steps);
     if (contact_.in_contact(next)) break;
     pose_ = next;
+    fallen_ = stance_.falls(next);
+    if (fallen_) break;
   }
   const double share = static_cast<double>(done) / steps;
   path_length_ += speed * duration * share;
@@ -260,6 +299,7 @@ bool KinematicRobot::move(const Twist& twist, double duration) {
     in_contact_ = false;
     return true;
   }
+  if (fallen_) return false;
   if (done > 0 || !in_contact_) ++collisions_;
   in_contact_ = true;
   return false;

@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "adapters/formats/worlds/world.h"
+#include "engine/maps/floor_state.h"
+#include "engine/maps/map_projection.h"
 #include "models/robot_shape.h"
 #include "models/types.h"
 
@@ -61,35 +63,59 @@ class ContactTest {
   double radius_ = 0.0;
 };
 
-/// The true robot: executes body twists in the plane, with or without noise, and stops at walls.
+/// Whether the floor is missing under what a body stands on. Its wheels are taken for the outline
+/// of its parts on the ground, drawn in to `kStance` of their size about their middle, which is our
+/// choice: a body reaches beyond its wheels. Immutable; concurrent use is safe.
+class Stance {
+ public:
+  static constexpr double kStance = 0.8;
+
+  /// step [m]: drop of the floor that the robot drives down.
+  Stance(const World& world, const RobotShape& shape, double step);
+
+  bool falls(const Pose& pose) const;
+
+ private:
+  const World* world_;
+  FloorLayers layers_;
+  std::vector<Eigen::Vector2d> wheels_;  // in B
+};
+
+/// The true robot: executes body twists in the plane, with or without noise, stops at walls and
+/// falls where there is no floor.
 ///
 /// A constant twist moves along the exact arc (SE(2) exponential), with sideways motion if asked.
 /// The body is tested in steps in which none of its points moves farther than 1 cm; on contact it
 /// stays at the last free step. A contact is counted once until the robot has moved freely again.
+/// One that has fallen stays where it fell.
 /// Thread-safety: one thread. Deterministic in (world, shape, noise, seed, sequence of calls).
 class KinematicRobot {
  public:
-  /// Throws std::invalid_argument if the start is not finite, outside the world, or in contact.
+  /// Throws std::invalid_argument if the start is not finite, outside the world, in contact, or
+  /// where there is no floor. step: as of Stance.
   KinematicRobot(const World& world, const RobotShape& shape, const ActuationNoise& noise,
-                 const Pose& start, std::uint64_t seed);
+                 const Pose& start, std::uint64_t seed, double step = HeightSlice{}.step);
 
-  /// Moves for `duration` [s]; returns false if the motion was cut short by contact.
+  /// Moves for `duration` [s]; returns false if the motion was cut short by contact or a fall.
   bool move(const Twist& twist, double duration);
 
   const Pose& pose() const { return pose_; }
   const ContactTest& contact_test() const { return contact_; }
   int collisions() const { return collisions_; }
   bool in_contact() const { return in_contact_; }
+  bool fallen() const { return fallen_; }
   double path_length() const { return path_length_; }  ///< [m]
   double rotation() const { return rotation_; }        ///< [rad]
 
  private:
   ContactTest contact_;
+  Stance stance_;
   ActuationNoise noise_;
   std::mt19937_64 generator_;
   Pose pose_;
   int collisions_ = 0;
   bool in_contact_ = false;
+  bool fallen_ = false;
   double path_length_ = 0.0;
   double rotation_ = 0.0;
 };

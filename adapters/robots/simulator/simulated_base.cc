@@ -10,7 +10,7 @@ namespace prospect {
 
 TrueState truth_of(const Simulator& s) {
   return {s.true_pose(),   s.coverage(),   s.seen_area(), s.localization_error(),
-          s.path_length(), s.collisions(), s.losses()};
+          s.path_length(), s.collisions(), s.losses(),    s.fallen()};
 }
 
 SimulatedBase::SimulatedBase(Simulator& simulator, const Clock& clock, const MotionModel& model,

@@ -65,7 +65,7 @@ struct Simulator::Impl {
         options(o),
         mapping(checked_mapping_options(o, perception.mapping)),
         robot(*world, o.shape, o.actuation, start_of(*world, o),
-              stream_seed(o.seed, NoiseStream::kActuation)),
+              stream_seed(o.seed, NoiseStream::kActuation), mapping.slice.step),
         seen(*world, mapping.slice) {
     const std::vector<Disc> cleared =
         known_free(*world, robot.pose(), robot.contact_test().radius(),
@@ -178,6 +178,7 @@ double Simulator::localization_error() const {
   return (estimated.position - true_pose().position).head<2>().norm();
 }
 int Simulator::collisions() const { return impl_->robot.collisions(); }
+bool Simulator::fallen() const { return impl_->robot.fallen(); }
 bool Simulator::in_contact() const { return impl_->robot.in_contact(); }
 double Simulator::path_length() const { return impl_->robot.path_length(); }
 double Simulator::rotation() const { return impl_->robot.rotation(); }

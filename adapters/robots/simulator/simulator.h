@@ -60,6 +60,7 @@ class Simulator {
   Pose estimated_pose() const;        ///< what sense() says now
   double localization_error() const;  ///< [m], horizontal distance between the two
   int collisions() const;             ///< separate contacts so far
+  bool fallen() const;                ///< over an edge; it does not move any more
   bool in_contact() const;            ///< the last motion ended at a wall
   double path_length() const;         ///< [m] really driven
   double rotation() const;            ///< [rad] really turned, in absolute value

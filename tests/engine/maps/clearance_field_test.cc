@@ -59,10 +59,12 @@ TEST(ClearanceField, NodesMatchBruteForceInThePlane) {
   for (std::uint64_t seed = 0; seed < 2; ++seed) {
     ClearanceField::Options options;
     options.reach = 1.6;
-    expect_nodes_match_brute_force(random_world(seed, 0.1, 1.5), options);
+    ObstacleWorld world = random_world(seed, 0.1, 1.5);
+    expect_nodes_match_brute_force(world, options);
     options.slice = {0.3, 0.4};
     options.cutoff = 0.33;
-    expect_nodes_match_brute_force(random_world(seed, 0.1, 1.5), options);
+    world.ground = project(world.voxels, {0.3, 0.4});
+    expect_nodes_match_brute_force(world, options);
   }
 }
 
@@ -79,6 +81,20 @@ TEST(ClearanceField, NodesMatchBruteForceInSpace) {
     }
   }
   expect_nodes_match_brute_force(world, options);
+}
+
+TEST(ClearanceField, WhereThereIsNoFloorIsAnObstacle) {
+  ObstacleWorld world(0.1, 1.5), walls = world;
+  for (int j = -3; j < 4; ++j) {
+    world.ground.set({5, j}, CellState::kOccupied, true);
+    walls.occupy_column(5, j);
+  }
+  const ClearanceField field = make(world, {}), as_walls = make(walls, {});
+  for (int n = 0; n < field.frame().size(); ++n) {
+    const Cell c = field.frame().at(n);
+    ASSERT_EQ(field.node(c.i, c.j), as_walls.node(c.i, c.j));
+  }
+  EXPECT_LT(field.node(4, 0), 0.06);
 }
 
 TEST(ClearanceField, UnknownSpaceCountsWhereAsked) {

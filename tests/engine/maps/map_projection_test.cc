@@ -27,13 +27,19 @@ TEST(MapProjection, LayersOfASlice) {
   EXPECT_THROW(slice_layers({0.5, 0.1}, 0.1), std::invalid_argument);
   EXPECT_THROW(slice_layers({nan, 0.1}, 0.1), std::invalid_argument);
   EXPECT_THROW(slice_layers({0.1, 0.5}, 0.0), std::invalid_argument);
+  EXPECT_THROW(slice_layers({0.1, 0.5, {}, -0.1}, 0.1), std::invalid_argument);
+  EXPECT_THROW(slice_layers({0.1, 0.5, {}, nan}, 0.1), std::invalid_argument);
 }
 
 TEST(MapProjection, ColumnRule) {
-  EXPECT_EQ(project_column(1, 3), CellState::kOccupied);
-  EXPECT_EQ(project_column(1, 0), CellState::kOccupied);
-  EXPECT_EQ(project_column(0, 1), CellState::kFree);
-  EXPECT_EQ(project_column(0, 0), CellState::kUnknown);
+  for (const FloorState floor : {FloorState::kUnseen, FloorState::kThere}) {
+    EXPECT_EQ(project_column(1, 3, floor), CellState::kOccupied);
+    EXPECT_EQ(project_column(1, 0, floor), CellState::kOccupied);
+    EXPECT_EQ(project_column(0, 1, floor), CellState::kFree);
+    EXPECT_EQ(project_column(0, 0, floor), CellState::kUnknown);
+  }
+  EXPECT_EQ(project_column(0, 3, FloorState::kMissing), CellState::kOccupied);
+  EXPECT_EQ(project_column(0, 0, FloorState::kMissing), CellState::kOccupied);
 }
 
 TEST(MapProjection, SightPassesFreeVoxelsAndUnknownOnesAboveFreeCells) {

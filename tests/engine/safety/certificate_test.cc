@@ -388,6 +388,58 @@ TEST(Certificate, UnknownSpaceUnderTheRobotAtTheStartIsTolerated) {
   EXPECT_NEAR(far.pose.position.x(), 1.05, 0.05);
 }
 
+TEST(Certificate, WhereThereIsNoFloorTheBodyMayNotBe) {
+  ObstacleWorld world(0.1, 2.0);
+  for (int j = -20; j < 20; ++j) world.ground.set({10, j}, CellState::kOccupied, true);
+  const Unicycle model;
+  const CylinderShape shape{{0.0, 0.0, 0.3}, 0.18, 0.4};
+  const auto verdict = [&](const Certifier::Options& options) {
+    return Certifier(shape, options)
+        .certify(world.belief(), model, Eigen::Vector3d(0.3, 0.0, 0.0), Eigen::Vector2d(0.6, 0.0),
+                 constant(model, 5, {0.6, 0.0}), kDt);
+  };
+  const Certificate edge = verdict(free_policy());
+  EXPECT_EQ(edge.status, Status::kCollision) << edge.detail;
+  EXPECT_NEAR(edge.pose.position.x(), 1.0 - 0.18, 0.03);
+  // One that begins over it may leave it, and get no deeper.
+  const Certifier certifier(shape, free_policy());
+  const Eigen::Vector2d still = Eigen::Vector2d::Zero();
+  for (const double yaw : {0.0, M_PI}) {
+    EXPECT_EQ(certifier
+                  .certify(world.belief(), model, Eigen::Vector3d(0.9, 0.0, yaw), still,
+                           constant(model, 3, {0.2, 0.0}), kDt)
+                  .ok(),
+              yaw > 0.0);
+  }
+}
+
+TEST(Certificate, GroundWhoseFloorWasNotSeenIsNotEnteredIfThatIsAskedFor) {
+  ObstacleWorld world(0.1, 2.0);
+  VoxelGrid voxels(world.voxels.frame(), -0.2, 0.8);
+  for (int i = -20; i < 20; ++i) {
+    for (int j = -20; j < 20; ++j) {
+      for (int k = 0; k < 8; ++k) voxels.set(i, j, k, CellState::kFree);
+      if (i < 8) voxels.set(i, j, -1, CellState::kOccupied);
+    }
+  }
+  world.voxels = voxels;
+  const Unicycle model;
+  const CylinderShape shape{{0.0, 0.0, 0.3}, 0.18, 0.4};
+  Certifier::Options options = free_policy();
+  const auto verdict = [&](double x) {
+    return Certifier(shape, options)
+        .certify(world.belief(), model, Eigen::Vector3d(x, 0.0, 0.0), Eigen::Vector2d(0.6, 0.0),
+                 constant(model, 5, {0.6, 0.0}), kDt);
+  };
+  EXPECT_TRUE(verdict(0.2).ok());
+  options.seen_floor = true;
+  const Certificate unseen = verdict(0.2);
+  EXPECT_EQ(unseen.status, Status::kUnseenFloor);
+  EXPECT_NEAR(unseen.pose.position.x(), 0.8 - 0.18, 0.03);
+  EXPECT_NE(unseen.detail.find("floor"), std::string::npos) << unseen.detail;
+  EXPECT_TRUE(verdict(-1.5).ok());
+}
+
 // Below and above the height 0, and where the map does not begin at its origin.
 TEST(Certificate, AMapMayBeginAnywhere) {
   const Unicycle model;

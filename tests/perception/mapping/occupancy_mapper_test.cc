@@ -27,6 +27,7 @@ OccupancyMapperOptions exact_options() {
   options.offset_constant = 0.0;
   options.offset_quadratic = 0.0;
   options.core = 1.0;
+  options.slice.step = 1000.0;  // below the floor as above it
   return options;
 }
 
@@ -96,6 +97,81 @@ bool same_state(const GroundMap& a, const GroundMap& b) {
     }
   }
   return true;
+}
+
+/// What a sensor at x = 0 and the height 0.45 m, with rays down to 27 degrees below the horizontal,
+/// sees along +x of a floor that is 0.6 m deeper from `edge` to `far` [m], with a wall at 3.5 m.
+DepthScan scan_of_edge(double edge, double far, std::mt19937_64& generator) {
+  std::normal_distribution<double> normal(0.0, 1.0);
+  DepthScan scan;
+  scan.origin = {0.0, 0.05, 0.45};
+  for (int column = -20; column <= 20; ++column) {
+    for (int row = 0; row < 60; ++row) {
+      const double a = 0.0158 * column, e = -0.475 * (row + 0.5) / 60;
+      const Eigen::Vector3d d(std::cos(a) * std::cos(e), std::sin(a) * std::cos(e), std::sin(e));
+      double range = 3.5 / d.x();
+      const double to_floor = -0.45 / d.z(), to_bottom = -1.05 / d.z();
+      const double x = to_floor * d.x();
+      if (x < edge || x > far) {
+        range = std::min(range, to_floor);
+      } else {
+        range = std::min({range, to_bottom, far / d.x()});
+      }
+      const double noise = 0.0015 + 0.0016 * range * range;
+      if (range <= 4.0)
+        scan.hits.emplace_back(scan.origin + d * (range + noise * normal(generator)));
+    }
+  }
+  return scan;
+}
+
+TEST(OccupancyMapper, RaysThatGoOnThroughTheFloorsPlaneShowThatThereIsNoFloor) {
+  std::mt19937_64 generator(1);
+  OccupancyMapperOptions options;
+  options.slice.sight = 0.45;
+  OccupancyMapper mapper(options);
+  for (int n = 0; n < 3; ++n) mapper.insert(scan_of_edge(2.0, 3.0, generator));
+  const auto ground = mapper.ground();
+  int missing = 0;
+  for (int i = 9; i < 33; ++i) {
+    const bool hole = i >= 20 && i < 30;
+    const bool occupied = ground->state({i, 0}) == CellState::kOccupied;
+    EXPECT_TRUE(hole || !occupied) << i;
+    missing += hole && occupied;
+    EXPECT_TRUE(!occupied || ground->see_through({i, 0})) << i;
+  }
+  EXPECT_GE(missing, 8);
+  EXPECT_EQ(ground->state({20, 0}), CellState::kOccupied);  // the edge itself
+  EXPECT_EQ(ground->state({21, 0}), CellState::kOccupied);
+  // The same map from the voxels alone, and with a robot that takes such a step.
+  EXPECT_TRUE(same_state(*ground, project(*mapper.voxels(), options.slice)));
+  options.slice.step = 0.7;
+  EXPECT_EQ(project(*mapper.voxels(), options.slice).state({21, 0}), CellState::kFree);
+}
+
+// Noise of rays that end on the floor takes them below it; a floor that was there is there.
+TEST(OccupancyMapper, AFlatFloorIsNowhereMissing) {
+  std::mt19937_64 generator(2);
+  OccupancyMapperOptions options;
+  OccupancyMapper mapper(options);
+  for (int n = 0; n < 200; ++n) {
+    mapper.insert(scan_of_edge(100.0, 101.0, generator));
+    const auto voxels = mapper.voxels();
+    const FloorLayers layers = slice_layers(options.slice, kR).floor;
+    const GridFrame f = voxels->frame();
+    for (int c = 0; c < f.size(); ++c) {
+      ASSERT_NE(floor_state(*voxels, f.at(c), layers), FloorState::kMissing) << f.at(c).i;
+    }
+  }
+}
+
+TEST(OccupancyMapper, AFloorThatIsSeenFromNearCorrectsWhatLookedLikeAHole) {
+  std::mt19937_64 generator(3);
+  OccupancyMapper mapper;
+  mapper.insert(scan_of_edge(2.0, 3.0, generator));
+  ASSERT_EQ(mapper.ground()->state({21, 0}), CellState::kOccupied);
+  for (int n = 0; n < 4; ++n) mapper.insert(scan_of_edge(100.0, 101.0, generator));
+  EXPECT_EQ(mapper.ground()->state({21, 0}), CellState::kFree);
 }
 
 TEST(OccupancyMapper, AgreesWithOctoMapOnTheSameScans) {

@@ -45,10 +45,32 @@ TEST(FloorPlan, HasAsManyRoomsAsAreAskedFor) {
   EXPECT_EQ(rooms, 10);
 }
 
+TEST(FloorPlan, WithDropsItHasHolesDocksAndStairsAndCanBeDrivenThrough) {
+  const BodySlice slice;
+  int lowered_plans = 0;
+  for (std::uint64_t seed = 0; seed < 40; ++seed) {
+    SCOPED_TRACE(seed);
+    const World world = load_world("drops:" + std::to_string(seed));
+    const World flat = load_world("plan:" + std::to_string(seed));
+    EXPECT_EQ(world.name, "drops:" + std::to_string(seed));
+    ASSERT_EQ(world.voxels.frame(), flat.voxels.frame());
+    const Grid<std::uint8_t> standing = standing_columns(world.voxels, slice);
+    const Grid<std::uint8_t> reached = connected_component(
+        standing, standing.frame.cell(world.start.position.x(), world.start.position.y()));
+    const auto count = [](const Grid<std::uint8_t>& grid) {
+      return std::count(grid.data.begin(), grid.data.end(), 1);
+    };
+    EXPECT_GT(count(reached), 0.9 * count(standing));
+    lowered_plans +=
+        count(free_columns(world.voxels, slice)) + 50 < count(free_columns(flat.voxels, slice));
+  }
+  EXPECT_EQ(lowered_plans, 40);
+}
+
 TEST(FloorPlan, NeedsASeedAndIfAnyAWholeSize) {
   for (const char* name : {"plan:", "plan:x", "plan:-1", "plan:1.5", "plan:1:", "plan:1:3",
                            "plan:1:3x", "plan:1:3x3x", "plan:1:3x3 ", "plan:1:1x3", "plan:1:3x41",
-                           "plan:1:-3x4", "plan:1:3x99999999999999999999"}) {
+                           "plan:1:-3x4", "plan:1:3x99999999999999999999", "drops:", "drops:1:3"}) {
     EXPECT_THROW(load_world(name), InputError) << name;
   }
 }

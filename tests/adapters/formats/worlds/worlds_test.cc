@@ -151,6 +151,65 @@ TEST_F(Worlds, CorridorHasAWhiteShortcutAndATexturedDetour) {
   EXPECT_EQ(texture_density(world, 100, 100, -1, 1), 35.0);
 }
 
+TEST_F(Worlds, WorldFileLowersItsFloor) {
+  const std::string rooms =
+      "textures: {a: 1, b: 2}\n"
+      "rooms: [{box: [0, 0, 3, 2], walls: a, floor: a}, {box: [3.2, 0, 5, 2], walls: a, floor: "
+      "a}]\n"
+      "doors: [{box: [2.9, 0.5, 3.3, 1.5]}]\n";
+  const World flat = world_from_yaml(rooms, "w");
+  const World world = world_from_yaml(rooms +
+                                          "drops:\n"
+                                          "  - {box: [1, 1, 2, 2], depth: 0.3, texture: b}\n"
+                                          "  - {box: [1.5, 0, 2, 1.2], depth: 1}\n"
+                                          "  - {box: [2.9, 0, 3.3, 9], depth: 0.01}\n",
+                                      "w");
+  EXPECT_EQ(flat.voxels.k0(), -1);
+  EXPECT_EQ(world.voxels.k0(), -11);
+  const auto floor = [&](double x, double y) {  // the layer of its surface
+    const Cell c = world.voxels.frame().cell(x, y);
+    int k = 0;
+    while (!world.solid(c.i, c.j, k - 1)) --k;
+    return k;
+  };
+  EXPECT_EQ(floor(0.5, 0.5), 0);
+  EXPECT_EQ(floor(1.25, 1.5), -3);
+  EXPECT_EQ(floor(1.75, 0.5), -10);
+  EXPECT_EQ(floor(1.75, 1.1), -10);  // of two the deeper
+  EXPECT_EQ(floor(3.1, 1.0), -1);    // in the doorway, a voxel at least
+  EXPECT_EQ(texture_density(world, 12, 15, -4, 0), 2.0);
+  EXPECT_EQ(texture_density(world, 17, 5, -11, 0), 1.0);
+  // Its sides are solid, all else is as without drops.
+  EXPECT_EQ(world.voxels.state(9, 15, -2), CellState::kOccupied);
+  const GridFrame& f = world.voxels.frame();
+  ASSERT_EQ(f, flat.voxels.frame());
+  for (int n = 0; n < f.size(); ++n) {
+    const Cell c = f.at(n);
+    for (int k = 0; k < flat.voxels.k0() + flat.voxels.depth(); ++k) {
+      ASSERT_EQ(world.voxels.state(c.i, c.j, k), flat.voxels.state(c.i, c.j, k));
+    }
+  }
+  // Nobody stands there, and what is seen of it does not count.
+  const Grid<std::uint8_t> free = free_columns(world.voxels, {});
+  EXPECT_EQ(free.get(f.cell(1.25, 1.5), 9), 0);
+  EXPECT_EQ(free.get(f.cell(0.5, 0.5), 9), 1);
+  BodySlice climber;
+  climber.step = 0.3;
+  EXPECT_EQ(free_columns(world.voxels, climber).get(f.cell(1.25, 1.5), 9), 1);
+  EXPECT_EQ(free_columns(world.voxels, climber).get(f.cell(1.75, 0.5), 9), 0);
+}
+
+TEST_F(Worlds, DropsThatMakeNoSenseAreRefused) {
+  const std::string rooms =
+      "textures: {a: 1}\nrooms: [{box: [0, 0, 3, 2], walls: a, floor: a}]\ndrops: ";
+  for (const char* drops :
+       {"[{box: [0, 0, 1, 1]}]\n", "[{box: [0, 0, 1, 1], depth: 0}]\n", "[{depth: 1}]\n",
+        "[{box: [1, 0, 1, 1], depth: 1}]\n", "[{box: [0, 0, 1, 1], depth: 1, texture: b}]\n",
+        "[{box: [0, 0, 1, 1], depth: 1, deep: 2}]\n"}) {
+    EXPECT_THAT(refusal(write("drops.yaml", rooms + drops)), HasSubstr("drops")) << drops;
+  }
+}
+
 TEST_F(Worlds, WorldFileGivesEachSurfaceItsTexture) {
   const World world = world_from_yaml(
       "textures: {a: 1, b: 2, c: 3, d: 4, e: 5}\n"

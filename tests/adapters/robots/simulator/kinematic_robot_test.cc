@@ -190,6 +190,43 @@ TEST(KinematicRobot, StopsAtTheWallAndCountsContactsOnce) {
   EXPECT_EQ(robot.collisions(), 2);
 }
 
+TEST(KinematicRobot, FallsWhereAWheelStandsOverAHoleAndStaysThere) {
+  World world = test::box_room(4.0, 2.0, 1.0);
+  test::fill(world, {3.0, 0.8, -0.1}, {3.4, 1.2, 0.0}, CellState::kFree);  // 0.1 m deep
+  const CylinderShape shape{{0.0, 0.0, 0.3}, 0.2, 0.4};
+  KinematicRobot robot(world, shape, {}, world.start, 1);
+  Twist forward;
+  forward.linear.x() = 0.5;
+  EXPECT_TRUE(robot.move(forward, 1.6));  // to x = 2.8: the body reaches to the edge
+  EXPECT_FALSE(robot.fallen());
+  EXPECT_FALSE(robot.move(forward, 0.4));
+  EXPECT_TRUE(robot.fallen());
+  EXPECT_NEAR(robot.pose().position.x(), 3.0 - Stance::kStance * 0.2, 0.011);
+  EXPECT_EQ(robot.collisions(), 0);
+  const Pose there = robot.pose();
+  forward.linear.x() = -0.5;
+  EXPECT_FALSE(robot.move(forward, 1.0));
+  EXPECT_EQ(robot.pose().position, there.position);
+  EXPECT_TRUE(robot.fallen());
+
+  KinematicRobot climber(world, shape, {}, world.start, 1, 0.2);  // takes the step
+  forward.linear.x() = 0.5;
+  EXPECT_TRUE(climber.move(forward, 3.0));
+  EXPECT_FALSE(climber.fallen());
+  Pose over = world.start;
+  over.position.x() = 3.2;
+  EXPECT_THROW(KinematicRobot(world, shape, {}, over, 1), std::invalid_argument);
+}
+
+TEST(Stance, CornersOfALongBodyStandOnWheels) {
+  World world = test::box_room(4.0, 2.0, 1.0);
+  test::fill(world, {2.5, 1.2, -0.1}, {2.7, 1.4, 0.0}, CellState::kFree);
+  const Stance stance(world, BoxShape{{0.0, 0.0, 0.3}, {1.2, 0.2, 0.4}}, 0.05);
+  EXPECT_FALSE(stance.falls({{2.0, 1.0, 0.0}, 0.0}));
+  EXPECT_TRUE(stance.falls({{2.2, 1.0, 0.0}, 0.6}));
+  EXPECT_FALSE(stance.falls({{2.2, 1.0, 0.0}, -0.6}));
+}
+
 TEST(KinematicRobot, ThinWallsCannotBeJumped) {
   World world = test::box_room(4.0, 2.0, 1.0, 0.05);
   test::fill(world, {3.0, 0.0, 0.0}, {3.05, 2.0, 1.0});
