@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Builds the Python package by CMake, for pip: docs/tutorials/python.md.
 
 PROSPECT_BUILD: a build tree that is there already, whose package is taken as it is. Without it, one

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the simulated cameras see and what that costs: pictures of each sensor, and times of a
 // stereo pair and a depth image along a turn in place, on one and two threads.
 //

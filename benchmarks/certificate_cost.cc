@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a certificate costs bodies of all sizes, that fit and that do not:
 // docs/results/performance.md.
 #include <algorithm>

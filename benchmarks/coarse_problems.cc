@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // coarse_problems FILE...: what cheaper stand-ins for planning problems are worth (files of
 // `explore --save-problems` or `bench --capture`). A stand-in has the same variables, but fewer
 // landmarks, those that are alike merged, or half as many stages, each twice as long.

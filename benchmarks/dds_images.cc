@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What becomes of a robot's stereo images on their way over DDS: one process publishes them, as a
 // camera driver does, another one reads them into a sensor inbox, as `prospect drive` does. Prints
 // how many came, and how long each took from its stamp until it was grey and in the inbox.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A simulated robot behind topics of ROS 2, as `prospect drive --base dds` meets a real one: stereo
 // images, depth images and their calibrations, odometry; it takes velocity commands, and stops by
 // itself when they cease. With a pose from outside (pose.from) it has a lidar, wheels and somebody

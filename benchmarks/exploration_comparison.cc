@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Missions of several planners over maps and seeds, one process each, into a table.
 #include <algorithm>
 #include <cstdio>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Each fault of the simulated robot, or each pair, one drive each, as a table (Markdown).
 //   fault_matrix [WORLD] [--fault SOURCE:VERB[,SOURCE:VERB]...] [--from S] [--for S] [--length S]
 //   [--seed N]

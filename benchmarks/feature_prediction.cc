@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // feature_prediction [--worlds LIST] [--seeds N] [--first-seed N] [--time-limit T] [--sensors S]:
 // the number of visible features that the planner predicts against the number tracked, by the time
 // ahead. At each step of a mission the plan's own prediction is evaluated along the way that was

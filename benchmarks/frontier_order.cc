@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the order of the frontiers costs: the frontier planner under several configurations, each
 // map from four headings, driven perfectly (exact pose, v_max or omega_max for half a second, a
 // view of the depth sensor after each). Missions are chaotic and take minutes; this takes a second

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Furnished floors as ROS maps: furnished_plans.py DIR writes furnished_1 to furnished_6, .pgm and .yaml.
 
 A corridor with rooms on both sides. Door frames stand out, desks and chairs stand on thin legs, shelves and screens

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What snapshots of a map cost, by how many of them are held: processor time and bytes allocated a
 // scan, along a corridor of 40 m at 0.05 m.
 

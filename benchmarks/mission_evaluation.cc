@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // mission_evaluation FILE...: processor time of one evaluation of the planning problems in these
 // files (explore --save-problems), at the planner's seeds and 60 spread over the bounds: a value, a
 // value with gradient, a candidate of a batch, a score, and each term's value alone. Of each time

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // odometry_calibration [--first N] [--sequences N] [--frames N] [--width W] [--json]: what the
 // planner predicts of landmarks and motion, against what the odometry tracked and measured, over
 // rendered sequences (rendered_sequence.h). All sequences count together. Same arguments, same

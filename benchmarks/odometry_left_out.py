@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """odometry_left_out.py PROGRAM CLIP... [--set KEY=A,B,...]...: settings of the odometry's covariance,
 chosen on all clips but one and judged on that one, every way round.
 

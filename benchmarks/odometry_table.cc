@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // odometry_table [CLIP...] [--pieces N] [--sequences N] [--set KEY=VALUE...]: the visual odometry
 // over recordings, as a table in Markdown. CLIP is what `prospect odometry` reads; "CLIP@12" begins
 // at frame 12. With --pieces, each is also run in so many pieces that overlap by half, each by an

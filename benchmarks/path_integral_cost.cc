@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // path_integral_cost: processor time of sampling:mppi for each stage of each rollout, in
 // nanoseconds, of whole solves (the noise is drawn once a solve; the solver's own work is in it):
 // on R1 over the number of samples an iteration, on the planner's problem over samples, stages and

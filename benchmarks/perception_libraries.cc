@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // perception_libraries: two parts of the visual odometry against what libraries have for them, on
 // the same input, processor time of one thread:
 //   refine_pose() against the same cost solved by Ceres;

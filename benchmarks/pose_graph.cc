@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // pose_graph FILE.g2o [--truth FILE.g2o] [--json]: a pose graph whose loops may be wrong, judged
 // and solved (perception/graph). Which edges are odometry: adapters/formats/datasets/g2o_file.h.
 //

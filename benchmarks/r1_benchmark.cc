@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Time of one evaluation of R1 (problems/r1.h): value, gradient, a batch, each term, the kernel of
 // visible points in every vector width that this processor has, and value and gradient written by
 // hand, without Problem, Term or model, as somebody would who has this one problem to solve.

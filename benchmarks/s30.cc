@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // s30 [--starts SEED] [SOLVER[,OPTION=VALUE]...]...: R1 from thirty starts, a row for each back end
 // (all that are built in if none is named), each from the cold guess with its default options: the
 // median of the times of a solve, J (mean, median) and how many are solved (r1.h). Of the solves of

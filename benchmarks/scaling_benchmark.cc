@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How the cost of an evaluation grows with what it is made of: landmarks and exploration targets
 // (a term alone, N = 20) from 100 to 10,000, stages (the planner's problem over the same five
 // seconds) from 10 to 100. The last lines printed are the exponents: least squares of log time over

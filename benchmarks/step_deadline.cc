@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How well a planning step keeps its deadline, over the beliefs of a mission.
 //   step_deadline [WORLD] [--deadline MS] [--steps N] [--seed S] [--solver NAME] [--known M]
 // Drives the mission in lockstep, each step with that deadline and prepared as the real-time driver

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Time of one evaluation of the planning problem and of what it is made of, at the planner's
 // default sizes (N = 20, 300 landmarks, 200 targets), in a half-explored hall.
 

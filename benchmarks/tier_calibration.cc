@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // tier_calibration --out DIR [--worlds LIST] [--seeds N] [--first-seed N] [--length L]
 //                  [--sensors model|camera|both]: the kinematic tier against the camera tier on the
 // same true paths. A tour drives from place to place, drawn from the seed among all that the robot

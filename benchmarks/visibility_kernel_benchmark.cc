@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What share of the core's arithmetic the kernel of visible features reaches, and what bounds it:
 // its time over landmarks that all lie before the camera, in every vector width; the core's peak,
 // measured by independent chains of operations in registers; and the parts the kernel is made of

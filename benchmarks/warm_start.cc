@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // warm_start [--steps N] [--solver NAME,...] [WORLD...]: on consecutive problems of a mission, how
 // many evaluations each back end with gradients needs from its own solution of the problem before,
 // shifted in time, and how many from the middle of the bounds, for the same cost: the higher one of

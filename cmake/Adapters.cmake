@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # The table of `prospect list adapters`: what a build may lack. A row: name|what it does|what it needs; each
 # need is a target of CMake and the package of Debian that brings it, TARGET=PACKAGE, separated by commas. An
 # adapter is built in where all its targets are found. A row may end with |modules of the Python package: they are

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # prospect_build_versions(TARGET): adds to TARGET the definitions of adapters/program/cli/build_versions.h: what compiles
 # it, and the libraries that this build has found.
 function(prospect_build_versions target)

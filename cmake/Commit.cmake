@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # At every build: writes OUTPUT, which defines the functions of adapters/program/cli/commit.h, for the git work tree
 # SOURCE; only if it changes, so nothing is compiled for a commit that is the same. A source tree
 # without git has no commit.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Third-party libraries, as Debian ships them. A back end whose library is absent is left out with a
 # message; everything else is required.
 find_package(PkgConfig REQUIRED)

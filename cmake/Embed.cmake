@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # prospect_embed(TARGET NAMESPACE name=file...): compiles the bytes of each file into TARGET; of several, name=A|B,
 # one behind the other, such as the licence of a library before it. Each
 # becomes a function `std::string_view NAME();` in namespace prospect::NAMESPACE, which a header of

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # `cmake --install`: the program, and the rooms that another project can link, with
 #   find_package(prospect CONFIG REQUIRED)
 #   target_link_libraries(controller PRIVATE prospect::engine prospect::solvers)

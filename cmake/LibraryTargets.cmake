@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Targets for libraries that export plain names and variables instead. Used by the build and, from
 # the installed prospectConfig.cmake, by consumers: nothing of the machine that built is kept.
 if(NOT TARGET prospect_octomap)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # prospect_room(NAME): the static library of the room in the current folder, target prospect::NAME,
 # from every .cc below it (except under folders given after EXCEPT), compiled several as one unless
 # FILE_BY_FILE (see prospect_unity). QUICK_BUILD: see prospect_quick_build.

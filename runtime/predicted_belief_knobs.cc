@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "models/knobs.h"
 #include "runtime/predicted_belief.h"
 

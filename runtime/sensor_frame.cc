@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "runtime/sensor_frame.h"
 
 #include <type_traits>

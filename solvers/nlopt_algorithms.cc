@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "solvers/nlopt_algorithms.h"
 
 #include "solvers/options.h"

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # What tests in shell share. Sourced; $work is the scratch folder of the test that does.
 # shellcheck shell=bash
 # shellcheck disable=SC2034,SC2154

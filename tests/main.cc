@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The program of a room's tests: GoogleTest's own, and --file=NAME, which runs the tests of NAME.cc
 // alone. That is how CTest runs them, each file in a process of its own, though a room is one
 // program. --gtest_filter and GTEST_FILTER choose among those of the file.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A term of one's own: keeps away from a point, such as a person."""
 
 import numpy as np

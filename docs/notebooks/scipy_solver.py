@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """SciPy's SLSQP and trust-constr as back ends: python3 -m prospect bench --plugin scipy_solver.py"""
 
 import numpy as np

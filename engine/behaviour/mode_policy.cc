@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "engine/behaviour/mode_policy.h"
 
 namespace prospect {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "engine/frontiers/area_sources.h"
 
 #include <algorithm>

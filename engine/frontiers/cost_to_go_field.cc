@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "engine/frontiers/cost_to_go_field.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "engine/maps/planar_error.h"
 
 #include <Eigen/Eigenvalues>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "engine/planner/step_specification.h"
 
 #include <algorithm>

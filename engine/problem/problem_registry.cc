@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "engine/problem/problem_registry.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "engine/terms/cost_to_go_term.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "perception/graph/graph_solver.h"
 
 #include <ceres/ceres.h>

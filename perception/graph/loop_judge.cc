@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "perception/graph/loop_judge.h"
 
 #include <Eigen/Cholesky>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "perception/graph/pose_graph.h"
 
 #include <algorithm>

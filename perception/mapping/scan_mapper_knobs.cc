@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "models/knobs.h"
 #include "perception/mapping/scan_mapper.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "perception/odometry/frame_clock.h"
 
 #include <algorithm>

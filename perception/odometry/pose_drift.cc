@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "perception/odometry/pose_drift.h"
 
 #include <Eigen/Cholesky>

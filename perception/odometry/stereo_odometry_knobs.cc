@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The descriptions of options, in a library of their own: reading a configuration builds nothing
 // that acts on them.
 

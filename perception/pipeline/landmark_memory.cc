@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "perception/pipeline/landmark_memory.h"
 
 #include <algorithm>

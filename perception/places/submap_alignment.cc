@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "perception/places/submap_alignment.h"
 
 #include <Eigen/Cholesky>

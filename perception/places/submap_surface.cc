@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "perception/places/submap_surface.h"
 
 #include <Eigen/Eigenvalues>

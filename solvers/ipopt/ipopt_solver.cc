@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "solvers/ipopt/ipopt_solver.h"
 
 #include <IpIpoptApplication.hpp>

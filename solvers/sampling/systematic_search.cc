@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "solvers/sampling/systematic_search.h"
 
 #include <algorithm>

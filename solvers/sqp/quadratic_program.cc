@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "solvers/sqp/quadratic_program.h"
 
 #include <Eigen/Cholesky>

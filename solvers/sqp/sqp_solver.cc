@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "solvers/sqp/sqp_solver.h"
 
 #include <Eigen/Core>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Functions have at most 120 lines and seven parameters, and no two booleans side by side, which a
 // caller would exchange.
 

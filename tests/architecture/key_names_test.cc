@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A key of the configuration has one name: what the program and the pages print is what `--set`
 // takes. The keys are those of docs/reference/configuration.md, which the program writes and a test
 // compares.

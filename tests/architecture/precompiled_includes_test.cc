@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The header that is precompiled for all files hides from the compiler whether a file includes what
 // it uses of it. This is what checks it instead: by name, in the file or in the project's headers
 // that it includes.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // docs/safety.md names tests: they are there, in the files named beside them.
 
 #include <gmock/gmock.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Files of tests are compiled several as one, so the names of each are in a namespace named after
 // it.
 

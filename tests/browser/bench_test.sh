@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # Opens the page of a bench in a headless browser and lets it test itself (bench.html#selftest): it
 # must load without an error, draw every plot for every choice of set and deadline, and show as many
 # solved problems as bench.csv has. A copy of the page that cannot draw must fail.

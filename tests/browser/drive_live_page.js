@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Drives a mission and its live page in a browser, by the browser's own protocol over a pipe. Ends with 1 and a line
 // for each thing that is not as expected.
 //   node drive_live_page.js PROSPECT BROWSER FOLDER [SCREENSHOTS]

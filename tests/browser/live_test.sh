@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # Opens the live view of a mission in real time in a headless browser: what it shows must move as the robot
 # does, and its buttons must hold, stop and send the robot.
 # usage: live_test.sh PROSPECT [FOLDER]. Exit code 77: no browser or no Node.js, skipped. FOLDER gets screenshots.

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # Opens the page of `prospect map` in a headless browser and lets it test itself (map.html#selftest):
 # with WebGL the voxels must be painted, turn, be cut and change colour; without it the page must say
 # so and show the rest. What it shows of frames and cells must be what ground.csv and the maps say. A

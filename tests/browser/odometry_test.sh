@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # Opens the page of an odometry run in a headless browser and lets it test itself
 # (odometry.html#selftest): it must load without an error, the slider must lead to the frames' images
 # and landmarks, whose numbers must be those of frames.csv, and a copy of the page whose images are

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # A replay's page in a headless browser: it opens at the step at which both plans end farthest apart and sums up what
 # replay.csv says; of plans that are the same it says so.
 # usage: replay_test.sh PROSPECT. Exit code 77: no browser, skipped.

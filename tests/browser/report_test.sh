@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # Opens a report in a headless browser and lets it test itself (report.html#selftest): it must load
 # without an error, and moving the slider must move what is drawn and said. The positions and
 # sentences that the browser reports are compared with those of the run itself; copies of the page

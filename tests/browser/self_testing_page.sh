@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # shellcheck shell=bash
 # For tests of pages that test themselves (PAGE.html#selftest): finds a browser, or skips the test
 # with exit code 77; makes $folder, which goes when the test ends; defines selftest and fail.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Writes a report of a synthetic run, and beside it where the robot is at some steps, for
 // report_test.sh to compare with what a browser draws.
 #include <algorithm>

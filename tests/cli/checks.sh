@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # What the tests of the command line share. Sourced in the scratch folder that they run in; $prospect is the
 # program. Each ends with `finish`.
 # shellcheck shell=bash

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # What the program `prospect` promises to who types a command: exit codes, messages, files.
 #   cli_test.sh <prospect> <scratch directory> <a plug-in> <a faulty one> <a library that is none>
 #     <write_depth_recording> <write_stereo_recording> <a plug-in with a term>

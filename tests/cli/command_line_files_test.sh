@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # What is installed beside the program for whoever types a command: completions and manual pages.
 #   command_line_files_test.sh <prospect> <scratch directory>
 set -uo pipefail

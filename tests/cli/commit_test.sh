@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # The file that tells the program its commit: right, and written only when it changes.
 #   commit_test.sh <cmake> <source tree> <scratch directory>
 set -uo pipefail

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # What takes long: it shows its progress, and ends soon when it is interrupted, with what is whole.
 #   long_steps_test.sh <prospect> <scratch directory> <write_depth_recording> <write_stereo_recording>
 set -uo pipefail

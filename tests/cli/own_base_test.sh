@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # A robot of one's own by plug-in, over TCP: list, settings, checks, guard, live page, log, report, replay, faults.
 #   own_base_test.sh <prospect> <scratch directory> <plug-in of the robot> <its firmware> <a plug-in without a robot>
 set -uo pipefail

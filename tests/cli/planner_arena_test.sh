@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # The logs of a bench for Planner Arena are read by OMPL's own reader, and its database has the numbers of bench.csv.
 #   planner_arena_test.sh <prospect> <scratch directory>
 # Skips with exit code 77 where the reader is absent.

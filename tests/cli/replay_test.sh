@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # A recorded mission driven again: the same bits, of a folder and of a log; the first step that differs; other plans
 # beside its own.
 #   replay_test.sh <prospect> <scratch directory>

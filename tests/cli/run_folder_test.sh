@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # What becomes of a run folder and a mission's log when something is in the way: another run, a signal, a kill, a
 # full disk, an output that takes nothing.
 #   run_folder_test.sh <prospect> <scratch directory>

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # A signal ends every command within a second, whatever it does: exit code 4, and what is whole.
 #   signals_test.sh <prospect> <scratch directory> <a faulty plug-in> <write_depth_recording> <write_stereo_recording>
 set -uo pipefail

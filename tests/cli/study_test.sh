@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # A study by the program itself: what is refused, and that kills and resuming give the table of an unbroken run.
 #   study_test.sh <prospect> <scratch directory>
 set -uo pipefail

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # The options that say how a world is read.
 #   world_options_test.sh <prospect> <scratch directory>
 set -uo pipefail

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // write_stereo_recording FOLDER FRAMES [BLANK [BASELINE]]: a recording in KITTI layout, with ground
 // truth, of a camera that goes through the rendered room; frame BLANK (-1: none) shows nothing, and
 // the calibration says BASELINE [m] instead of the true 0.12. For the tests of the command line and

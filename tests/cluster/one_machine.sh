@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # A Slurm of its own on this machine, with two cores: controller, node and munge, in $1. Sourced; stop_slurm ends it.
 # shellcheck shell=bash
 start_slurm() {

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # A study by an array of Slurm, with a slurmctld and a slurmd of its own on this machine: more parts than cores, a
 # worker that is killed, a resubmission; then the same study by GNU parallel: the same table.
 #   slurm_test.sh <prospect> <scratch directory>

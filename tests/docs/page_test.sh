@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # Runs a page of the docs as it is written, in an empty folder.
 #   page_test.sh <page.md> <build tree> <scratch directory> <folder of scripts/listed_programs.sh>
 # What a page's code blocks mean, by what stands behind the three backticks:

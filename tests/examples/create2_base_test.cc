@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "docs/examples/create2/create2_base.h"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Bags of ROS 2, MCAP or SQLite by the first byte, with all their messages.
 #include "adapters/formats/bags/bag_file.h"
 #include "adapters/formats/datasets/ros_messages.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Calibrations of cameras: KITTI, ROS, OpenCV, Kalibr, by the name that the first byte says.
 #include "adapters/formats/datasets/stereo_calibration.h"
 #include "tests/fuzz/fuzz_target.h"

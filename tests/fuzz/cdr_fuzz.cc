@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // CDR bytes as a message of the type that the first byte says, and what is made of scans and
 // clouds. What is read is written and read again: the same bytes.
 #include <array>

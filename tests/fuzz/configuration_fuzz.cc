@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A configuration.
 #include "adapters/missions/config/configuration.h"
 #include "tests/fuzz/fuzz_target.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A file of topics of ROS 2.
 #include "adapters/robots/dds/dds_options.h"
 #include "tests/fuzz/fuzz_target.h"

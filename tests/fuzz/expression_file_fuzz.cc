@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Problems as expressions (JSON).
 #include "adapters/missions/bench/expression_file.h"
 #include "tests/fuzz/fuzz_target.h"

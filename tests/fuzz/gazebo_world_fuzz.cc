@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A Gazebo world without the files that it names.
 #include "adapters/formats/worlds/gazebo_world.h"
 #include "tests/fuzz/fuzz_target.h"

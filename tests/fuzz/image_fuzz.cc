@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // An image of a recording: PNG, PGM and what else is read.
 #include "adapters/formats/datasets/raw_image.h"
 #include "tests/fuzz/fuzz_target.h"

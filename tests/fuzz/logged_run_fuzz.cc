@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The log of a mission, and the page that is made of it. By the first byte the rest is the file
 // itself, or messages that are written to one: topic, time after the one before, length in two
 // bytes, and the bytes, again and again. Bytes of a file that are changed do not get past its

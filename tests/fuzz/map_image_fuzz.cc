@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A bare image: PGM, PNG or BMP; the first byte says by which name.
 #include "adapters/formats/worlds/ros_map.h"
 #include "tests/fuzz/fuzz_target.h"

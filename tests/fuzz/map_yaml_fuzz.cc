@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A ROS map: its .yaml, then from the first byte 0x1d on its image, map.pgm.
 #include "adapters/formats/worlds/ros_map.h"
 #include "tests/fuzz/fuzz_target.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What is looked at in a mesh before the library reads it, of the kind that the first byte says.
 #include "adapters/formats/worlds/gltf_check.h"
 #include "adapters/formats/worlds/mesh_check.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A mesh, of the kind that the first byte says, through the child process and into voxels.
 #include "adapters/formats/worlds/mesh_file.h"
 #include "adapters/formats/worlds/mesh_world.h"

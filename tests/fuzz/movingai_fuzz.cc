@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A MovingAI grid.
 #include "adapters/formats/worlds/ros_map.h"
 #include "tests/fuzz/fuzz_target.h"

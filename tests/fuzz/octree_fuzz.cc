@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // An octree, .bt or .ot, and the world that it makes.
 #include <octomap/OcTree.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Drives a fuzzing target where there is no libFuzzer: mutations of a corpus by a seeded generator,
 // without regard to coverage. Takes those of libFuzzer's options that the README names.
 #include <sys/resource.h>

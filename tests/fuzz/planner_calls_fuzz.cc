@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Calls of a planner, one after another, each with its length in two bytes before it, as a log
 // keeps them. The beliefs that are read are written and read again: the same.
 #include <cstring>

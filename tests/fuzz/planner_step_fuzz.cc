@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A belief, the parameters of planner and base, and a mission: two steps from them. What does not
 // fit is refused by the constructor or by the step, in clear lines; whatever comes, each plan has
 // commands that the base may be sent: finite, and no faster than it can be, however fast it was

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A cloud of points, of the kind that the first byte says, and the world that it makes.
 #include "adapters/formats/worlds/cloud_world.h"
 #include "adapters/formats/worlds/point_cloud_file.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Pose graphs in the format of g2o, and which of their edges are odometry.
 #include "adapters/formats/datasets/g2o_file.h"
 #include "tests/fuzz/fuzz_target.h"

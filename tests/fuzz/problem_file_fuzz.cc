@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A problem file (HDF5).
 #include "adapters/formats/problem_file/problem_file.h"
 #include "tests/fuzz/fuzz_target.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Messages of ROS 2, of the type that the first byte says.
 #include "adapters/formats/datasets/elements.h"
 #include "adapters/formats/datasets/ros_messages.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Rows of a run folder (CSV).
 #include "adapters/views/report/step_table.h"
 #include "tests/fuzz/fuzz_target.h"

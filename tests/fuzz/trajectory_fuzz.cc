@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Trajectories: TUM and KITTI.
 #include "adapters/formats/datasets/trajectory.h"
 #include "tests/fuzz/fuzz_target.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A world file.
 #include "adapters/formats/worlds/world_file.h"
 #include "tests/fuzz/fuzz_target.h"

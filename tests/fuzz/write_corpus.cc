@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Writes the inputs that the fuzzing targets begin with: FOLDER/NAME/... for each fuzz_NAME.
 #include <octomap/ColorOcTree.h>
 #include <octomap/OcTree.h>

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # What the pages at the top of the project say is so, and files of other programs are in their form.
 #   habits_test.sh <source tree> <build tree> <scratch folder>
 set -uo pipefail

@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: Apache-2.0
 """What pages at the top of the project name is there: files, links, targets, tests, presets.
 
   pages_tell_truth.py ROOT BUILD PAGE...      BUILD: a build tree, whose CTest and Ninja are asked

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The codecs where there are none: this program's are named by a file that is nowhere
 // (tests/CMakeLists.txt).
 #include <iostream>

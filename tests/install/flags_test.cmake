@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Programs of others, compiled with their own flags against an installed tree: each works as the plain one does, or is
 # refused with a line that names the flag. And a component brings nothing but what it needs.
 #   cmake -D BUILD=<build tree> -D SOURCE=<tests/install/layout> -D WORK=<scratch> -D GENERATOR=<generator>

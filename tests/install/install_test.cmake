@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Installs a built tree into a fresh prefix and builds against it: all headers, and what no page of the docs builds.
 #   cmake -D BUILD=<build tree> -D EXAMPLES=<docs/examples> -D WORK=<scratch> -D GENERATOR=<generator>
 #         -D COMPILER=<C++ compiler> -D FLAGS=<C++ flags> -P install_test.cmake

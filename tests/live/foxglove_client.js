@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Watches and commands a mission with the public client of Foxglove's protocol, under both of its names. Ends with 1
 // and a line for each thing that is not as expected.
 //   node foxglove_client.js PROSPECT FOLDER

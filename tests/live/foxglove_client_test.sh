@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # The live view speaks to the public client of Foxglove's protocol, @foxglove/ws-protocol: topics decode by the
 # definitions that were advertised, and the commands reach the robot.
 #   foxglove_client_test.sh <prospect> <scratch directory>

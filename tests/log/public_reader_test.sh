@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # A mission's log opens with the public reader, @mcap/core: by its index and from end to end with every checksum
 # checked, and each message is decoded by the definition that stands in the file.
 #   public_reader_test.sh <prospect> <scratch directory>

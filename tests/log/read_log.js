@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Reads a mission's log with the public reader and decodes every message. Ends with 1 and a line for each thing
 // that is not as expected.
 //   node read_log.js LOG LAST_ROW_OF_STEPS_CSV

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "models/can_move.h"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What every motion model promises, checked over all of them.
 #include "models/motion_model.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "models/robot_shape.h"
 
 #include <gmock/gmock.h>

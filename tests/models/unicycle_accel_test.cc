@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "models/unicycle_accel.h"
 
 #include <gtest/gtest.h>

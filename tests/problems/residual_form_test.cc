@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The residuals that the problems state are their costs, and their Jacobian is that of differences.
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Arrays are the numbers that were given, or are refused: no function casts them to others."""
 
 import copy

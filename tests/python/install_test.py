@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The package as `cmake --install` and as pip put it down."""
 
 import glob

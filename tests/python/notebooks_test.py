@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The notebooks of the docs run as they are written, from top to bottom.
 
 With PROSPECT_FIGURES=FOLDER their figures are kept there, to be looked at.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A planner fed with arrays, terms in it, and problems that it leaves."""
 
 import gc

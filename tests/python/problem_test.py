@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Problems: shapes, derivatives, lifetimes, errors, threads."""
 
 import gc

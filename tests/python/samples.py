@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Terms and problems that several tests use."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A simulated mission step by step, and the command line with plug-ins in Python."""
 
 import os

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Solves from Python, and back ends written in Python."""
 
 import threading

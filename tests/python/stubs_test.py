@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The stubs say what the modules have, each name with its parameters."""
 
 import ast

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # What every release has written is read today: problem files, run folders, logs, studies (releases/VERSION/).
 #   formats_test.sh <source tree> <prospect> <scratch folder>
 set -uo pipefail

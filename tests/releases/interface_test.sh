@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # The interface since the last release: models/version.h has risen as far as what changed asks for, CHANGELOG.md
 # has an entry of this version, and the comparison sees what it is for.
 #   interface_test.sh <source tree> <scratch folder>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "runtime/clock_offset.h"
 
 #include <gmock/gmock.h>

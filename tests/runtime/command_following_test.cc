@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "runtime/command_following.h"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "runtime/sample_judge.h"
 
 #include <gtest/gtest.h>

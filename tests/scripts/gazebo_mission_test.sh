@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # A short mission in the real Gazebo, stepped: the same steps beside busy loops as without, and its log gives the same
 # plans.
 # Skips where scripts/gazebo has not installed one, or nobody may start it.

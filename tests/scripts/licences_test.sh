@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # Licences: what a build links has a row in licences/parts.csv, copyleft is told, and PROSPECT_COPYLEFT=OFF leaves it out.
 #   licences_test.sh <source tree> <scratch folder> <cmake> <built file>...
 set -uo pipefail
@@ -59,6 +60,10 @@ run "$clone/scripts/licences" --stamp
 [[ "$out" == "0 files stamped" ]] || fail "stamped twice: $out"
 run "$clone/scripts/licences" --stamped
 ((code == 0)) || fail "stamped, and not seen: $err"
+if git -C "$root" rev-parse HEAD >/dev/null 2>&1; then
+  run "$root/scripts/licences" --stamped
+  ((code == 0)) || fail "$err"
+fi
 
 # Copyleft is told of by name where Debian's back ends are linked.
 if "$root/scripts/licences" "$1" 2>/dev/null | grep -q '^CHOLMOD'; then

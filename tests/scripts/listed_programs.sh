@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # Folders of links to the programs of a machine that has nothing but what is listed, for tests of pages and scripts:
 #   listed_programs.sh <source tree> <folder>
 # <folder>/base has what Debian's base system brings, <folder>/packages what scripts/packages brings besides. Taken

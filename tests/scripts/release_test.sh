@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # Packages of a release. What is refused is always tried. With PROSPECT_RELEASE=FOLDER, as root, the whole way too: made
 # twice with the same bytes, looked at by lintian, installed, upgraded and removed on a bare Debian that stays in
 # FOLDER/machine. It takes half an hour, and PROSPECT_RELEASE_BUILD names a build to be packed instead of a new one.

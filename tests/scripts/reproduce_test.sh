@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # Rows of the results: each table leads to a commit that is there; a row is found, its command filled in, and what a
 # program says now is judged to the digits of the page.
 #   reproduce_test.sh <source tree> <scratch folder>

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # What the scripts promise, as far as it can be seen without root and without the network.
 #   scripts_test.sh <source tree> <folder of listed_programs.sh>
 set -uo pipefail

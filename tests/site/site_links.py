@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: Apache-2.0
 """Links of a static site: each leads to a file, and in the pages to an anchor, that is there; from the front page every
 page is reached. What Doxygen makes (api/) is held to files alone.
 

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # The site: made without a warning, no link leads nowhere, no page stands alone; in a browser the search finds, light
 # and dark change, a phone need not scroll sideways. Skipped, and said so, without what scripts/setup --release installs.
 #   site_test.sh <source tree> <prospect> <scratch folder>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the ceres back end promises beyond the contract of all (contract_test.cc).
 
 #include <gmock/gmock.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The contract of engine/problem/solver.h, on every back end of the registry, and on that of a
 // plug-in, by the same tests.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "solvers/descent_direction.h"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "solvers/limited_memory_bfgs.h"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What tests/solvers/contract_test.cc does not ask of every back end.
 
 #include <gtest/gtest.h>

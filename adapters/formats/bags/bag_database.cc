@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The tables of rosbag2's SQLite files: topics(id, name, type, serialization_format),
 // messages(id, topic_id, timestamp, data).
 

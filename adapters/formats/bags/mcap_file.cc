@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // MCAP: records of a byte that says what they are, eight bytes of length and their content, all
 // little-endian (mcap.dev/spec). The messages lie in chunks, which may be compressed.
 

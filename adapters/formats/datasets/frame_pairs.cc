@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "adapters/formats/datasets/frame_pairs.h"
 
 #include <algorithm>

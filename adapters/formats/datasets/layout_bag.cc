@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Bags of ROS 2: images, their camera_info, poses and static transforms, by topic.
 
 #include <algorithm>

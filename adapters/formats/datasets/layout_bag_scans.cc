@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Bags of ROS 2: scans of lidars and clouds of points, with poses from topics or TF.
 
 #include <memory>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Logs of CARMEN, in which most public 2-D data sets are kept: a message a line.
 //   FLASER n r_1 ... r_n x y theta odom_x odom_y odom_theta time host logger_time
 //   ROBOTLASER1 type start_angle field_of_view angular_resolution max_range accuracy remission_mode

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // mav0/cam0 and mav0/cam1, or cam0 and cam1, each with sensor.yaml and data/STAMP.png.
 
 #include <Eigen/LU>

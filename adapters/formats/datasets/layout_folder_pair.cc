@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Two folders of images beside each other, or two videos, or one with both images side by side.
 // With calib.txt: KITTI odometry. Else with a calibration file beside them, or the one that is
 // given.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A drive of the KITTI raw data: image_00 to image_03 with data and timestamps.txt,
 // calib_cam_to_cam.txt beside it or in the folder of the day, above. Or of KITTI-360: data_rect for
 // data, and calibration/perspective.txt beside the folder of the drives.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // depth/NNN.png, or other images that hold depths.
 
 #include <filesystem>

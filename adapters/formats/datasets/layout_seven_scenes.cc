@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // frame-NNNNNN.depth.png and frame-NNNNNN.pose.txt.
 
 #include <filesystem>

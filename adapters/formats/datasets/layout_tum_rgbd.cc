@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // depth.txt ('stamp path' a line) or associations.txt ('stamp path stamp path'), groundtruth.txt.
 
 #include <algorithm>

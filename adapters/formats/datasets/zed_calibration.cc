@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "adapters/formats/datasets/zed_calibration.h"
 
 #include <Eigen/Geometry>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "adapters/formats/files/bounded_child.h"
 
 #include <fcntl.h>

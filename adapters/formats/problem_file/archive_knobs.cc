@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "adapters/formats/problem_file/archive_knobs.h"
 
 #include "models/range_text.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "adapters/formats/problem_file/problem_format.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "adapters/formats/worlds/octree_world.h"
 
 #include <octomap/OcTree.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "adapters/formats/worlds/plain_collada.h"
 
 #ifdef PROSPECT_WITH_ASSIMP

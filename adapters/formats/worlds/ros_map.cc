@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "adapters/formats/worlds/ros_map.h"
 
 #include <Eigen/Geometry>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 (() => {
 const bench = JSON.parse($("bench").textContent);
 const deadlineText = (seconds) => (seconds > 0 ? `${compact(1000 * seconds)} ms` : "none");

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "adapters/missions/bench/resampled_means.h"
 
 #include <algorithm>

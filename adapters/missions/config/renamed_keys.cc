@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "adapters/missions/config/renamed_keys.h"
 
 namespace prospect {

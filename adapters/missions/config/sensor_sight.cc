@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "adapters/missions/config/sensor_sight.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "adapters/missions/config/term_settings.h"
 
 #include <exception>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "adapters/missions/log/logged_run.h"
 
 #include <algorithm>

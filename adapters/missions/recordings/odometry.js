@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 (() => {
 // ---- Data ---------------------------------------------------------------------------------------
 const run = JSON.parse($("run").textContent);

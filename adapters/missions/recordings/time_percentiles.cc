@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "adapters/missions/recordings/time_percentiles.h"
 
 #include <nlohmann/json.hpp>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Both plans of each planning step.
 const replay = JSON.parse($("replay").textContent);
 const steps = replay.steps;

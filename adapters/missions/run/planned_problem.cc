@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "adapters/missions/run/planned_problem.h"
 
 #include "models/version.h"

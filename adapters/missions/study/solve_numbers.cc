@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "adapters/missions/study/solve_numbers.h"
 
 #include <limits>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "adapters/program/cli/absent_solver.h"
 
 #include <algorithm>

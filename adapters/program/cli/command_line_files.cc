@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "adapters/program/cli/command_line_files.h"
 
 #include <filesystem>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "adapters/program/python/logged_run_arrays.h"
 
 #include <pybind11/stl.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "adapters/program/python/python_solver.h"
 
 #include "adapters/program/python/arrays.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "adapters/program/python/python_term.h"
 
 #include <stdexcept>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "adapters/program/robot/run_robot.h"
 
 #include <CLI/CLI.hpp>

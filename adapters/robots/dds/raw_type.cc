@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "adapters/robots/dds/raw_type.h"
 
 #ifdef PROSPECT_WITH_CYCLONEDDS

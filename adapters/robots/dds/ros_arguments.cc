@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "adapters/robots/dds/ros_arguments.h"
 
 #include <cstdlib>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "adapters/robots/faults/faulty_replanner.h"
 
 #include <algorithm>

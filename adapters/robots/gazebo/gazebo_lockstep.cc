@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "adapters/robots/gazebo/gazebo_lockstep.h"
 
 #include <utility>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "adapters/robots/gazebo/gazebo_robot_model.h"
 
 #include <Eigen/Geometry>

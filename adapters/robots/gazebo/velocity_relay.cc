@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "adapters/robots/gazebo/velocity_relay.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "adapters/robots/simulator/kinematic_robot.h"
 
 #include <Eigen/Geometry>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "adapters/robots/simulator/noise_stream.h"
 
 #include "models/mixed_bits.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "adapters/robots/simulator/simulated_clock.h"
 
 #include <algorithm>

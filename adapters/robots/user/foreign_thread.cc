@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "adapters/robots/user/foreign_thread.h"
 
 #include <chrono>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "adapters/robots/user/return_deadline.h"
 
 #include <unistd.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "adapters/robots/user/threaded_base.h"
 
 #include <chrono>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 
 // ---- Live view --------------------------------------------------------------------------------
 // What happens now: steps for `page`, and what the robot says of itself, by a WebSocket of where the page came from.

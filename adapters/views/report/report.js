@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 const page = (() => {
 // ---- Data -------------------------------------------------------------------------------------
 // Steps come in parts, by append(): all of them at once in a report, a few at a time of a mission that goes on.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A Create 2 as a plug-in: prospect drive --base plugin:libcreate2.so --base plugin:SENSORS.so
 //   --set base.device=/dev/ttyUSB0
 #include "solvers/plugin.h"

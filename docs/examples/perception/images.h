@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Where images come from: your cameras' driver stands in its place.
 #pragma once
 

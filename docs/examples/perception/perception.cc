@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // From two cameras to what the planner knows: pose, covariance, landmarks, map.
 //   perception          images of a room, made here: two cameras with lenses, a depth camera
 //   perception FOLDER   a recording of rectified pairs: calib.txt (P0, P1), times.txt, image_0/ and

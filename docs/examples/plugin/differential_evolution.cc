@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A back end of one's own, loaded by the program at run time:
 //   prospect solve office@40 --plugin FILE.so --solver differential_evolution
 // Differential evolution, DE/rand/1/bin, of Storn and Price, J. Global Optimization 11 (1997): a

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Reads a problem that a mission has met (`prospect explore --save-problems 10`) and tries a solver
 // of your own choice on it.
 #include <cstdio>

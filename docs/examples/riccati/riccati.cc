@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Solves a problem stage by stage: Gauss-Newton steps by a Riccati recursion over the stages that
 // engine/problem/stage_structure.h gives, whose work grows with the horizon and not with its cube.
 // Beside it, the same problem by SLSQP.

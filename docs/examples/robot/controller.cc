@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A robot of one's own as a whole program: motors that take commands with an expiry, a lidar and a
 // localization. Prospect brings the rest: checks, threads, guard, log, live view, report, faults.
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a robot is told between two plans: tasks, and zones on its ground.
 #include <cmath>
 #include <cstdio>

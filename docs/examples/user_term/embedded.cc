@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The term in a planner of one's own program: a robot before a gap with a person beyond plans with
 // the term and without it, and keeps farther away with it.
 #include <octomap/OcTree.h>

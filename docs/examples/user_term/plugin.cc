@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The term as a plug-in, and a problem to measure back ends on:
 //   prospect list terms --plugin build/user_term/libkeep_distance.so
 //   prospect explore office --plugin build/user_term/libkeep_distance.so

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A robot of one's own: a 2-D lidar, a localization that needs no camera, an OctoMap that grows
 // while the robot drives. Prospect plans and watches behind five calls.
 #include <octomap/OcTree.h>

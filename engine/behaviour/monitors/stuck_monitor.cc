@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "engine/behaviour/monitors/stuck_monitor.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "engine/behaviour/safety_level.h"
 
 #include <gtest/gtest.h>

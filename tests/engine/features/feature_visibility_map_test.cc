@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "engine/features/feature_visibility_map.h"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "engine/features/landmarks_per_cell.h"
 
 #include <gtest/gtest.h>

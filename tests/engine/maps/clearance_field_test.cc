@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "engine/maps/clearance_field.h"
 
 #include <fcl/broadphase/broadphase_dynamic_AABB_tree.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "engine/maps/shape_geometry.h"
 
 #include <fcl/geometry/shape/sphere.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "engine/maps/surface_drift.h"
 
 #include <gtest/gtest.h>

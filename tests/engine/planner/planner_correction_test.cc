@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A correction of the map moves what the robot was told, and nothing that it knows.
 
 #include <gtest/gtest.h>

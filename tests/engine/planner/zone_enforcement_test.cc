@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What keeps a robot out of zones, part by part: certificate, guard, admissible inputs, clearance,
 // traversability, frontiers.
 

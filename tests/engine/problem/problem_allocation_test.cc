@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A problem with all terms, made by the planner, must not allocate once it has been evaluated with
 // a workspace and batch size. Every way to the heap is counted: the C library's, which operator new
 // and Eigen's aligned allocations end in.

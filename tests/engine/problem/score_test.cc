@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Scores of planning problems: within their error, exact constraints, the same bits in any batch.
 
 #include <gtest/gtest.h>

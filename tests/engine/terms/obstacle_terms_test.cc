@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The three terms of clearance: ObstacleCost, ClearanceConstraint, BrakingConstraint.
 #include <gtest/gtest.h>
 

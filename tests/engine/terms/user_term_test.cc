@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The term of docs/examples/user_term.
 #include <gtest/gtest.h>
 

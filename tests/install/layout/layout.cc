@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The same text from every build of this that links the same libraries: sizes and alignments of
 // types that cross the border, and what the libraries read in objects that this program has made.
 #include <cstdio>

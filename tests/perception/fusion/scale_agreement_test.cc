@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "perception/fusion/scale_agreement.h"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "perception/odometry/image_grid.h"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "perception/odometry/point_observation.h"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "perception/pipeline/belief_builder.h"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "perception/places/map_loops.h"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A plug-in with one fault, which the environment variable PROSPECT_TEST_FAULT names at the moment
 // when its entry point is called.
 #include <chrono>

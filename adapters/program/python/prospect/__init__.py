@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Planning for robots that explore by sight: problems, solvers, planners and missions.
 
 Arrays are numpy's. Units are SI, angles rad, frames as docs/reference/models.md has them. Bad input

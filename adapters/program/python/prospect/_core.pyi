@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # What a type checker knows of the compiled module. A test compares it with the module.
 import os
 from enum import Enum

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What is written in Python and used by the engine: bases of terms and solvers."""
 
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The command line, with plug-ins that are written in Python."""
 
 import importlib.util

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What the program wrote, as arrays: runs, benches, studies."""
 
 import csv

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Starts the relay beside the motors and the mission: prospect must be on the PATH.
 
 The launch ends when the mission does, and the mission when the relay does not come up again.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #ifdef PROSPECT_WITH_SQLITE
 
 #include <gmock/gmock.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "adapters/formats/datasets/recording_fields.h"
 
 #include <gmock/gmock.h>

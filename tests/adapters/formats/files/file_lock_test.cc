@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "adapters/formats/files/file_lock.h"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "adapters/formats/files/output_folder.h"
 
 #include <gmock/gmock.h>

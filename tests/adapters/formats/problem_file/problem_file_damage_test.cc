@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Files that were cut, in which bits have flipped, or in which a value is another one: refused in
 // one line, or read as what they say.
 #include <gtest/gtest.h>

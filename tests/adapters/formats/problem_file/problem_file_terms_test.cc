@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Problem files of problems with terms that are not built in.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "adapters/formats/ros/message_definition.h"
 
 #include <gmock/gmock.h>

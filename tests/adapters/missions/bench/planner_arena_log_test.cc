@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "adapters/missions/bench/planner_arena_log.h"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Reads a configuration and prints what is in effect, linked against prospect::config alone: who
 // reads YAML needs no renderer, no reader of meshes and no odometry.
 #include <exception>

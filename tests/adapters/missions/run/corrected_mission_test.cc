@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Missions whose map is corrected on the way.
 
 #include <gtest/gtest.h>

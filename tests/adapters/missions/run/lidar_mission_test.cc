@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A robot behind topics of ROS 2 that has a lidar, wheels, and somebody who says where it is.
 
 #include <gmock/gmock.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A base of 0.9 x 0.5 m drives through a door and a corridor of 0.9 m.
 
 #include <gtest/gtest.h>

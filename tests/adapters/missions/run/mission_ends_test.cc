@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How small missions end: what was asked for, and what is said of it.
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Three short missions, step by step: what the robot did, why and where. A change that should not
 // change behaviour leaves these files as they are; one that should writes them anew,
 //   PROSPECT_WRITE_HISTORIES=1 build/tests/adapters_tests --file=mission_history_test

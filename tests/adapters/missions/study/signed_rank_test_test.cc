@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "adapters/missions/study/signed_rank_test.h"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "adapters/robots/dds/dds_base.h"
 
 #include <gmock/gmock.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Fast DDS, which most robots with ROS 2 speak, as the other side: its own bytes (Fast CDR), its
 // own discovery. Over the wire, as two vendors share no memory.
 #include <gtest/gtest.h>

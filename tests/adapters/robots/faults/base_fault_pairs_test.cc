@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Two faults of a base, or one of it and one of what tells of it, at once: named in time, whatever
 // one hides of the other.
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "adapters/robots/gazebo/robot_in_world.h"
 
 #include <gmock/gmock.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "adapters/robots/gazebo/texture_atlas.h"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The simulated cameras and the odometry that is to run on them: images good enough to follow, and
 // walls without texture that nobody can follow.
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The closed loop by sight: rendered images through the perception of a robot, nothing but the
 // start taken from the truth.
 #include "adapters/robots/simulator/camera_sensors.h"

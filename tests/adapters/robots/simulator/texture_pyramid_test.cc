@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "adapters/robots/simulator/texture_pyramid.h"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "adapters/robots/user/make_robot.h"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "adapters/views/live/page_show.h"
 
 #include <gmock/gmock.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The colours of all pages: text against what is behind it as WCAG 2.1 asks for at level AA, and
 // the map's lines and cells apart for who tells red from green and for who does not.
 #include <gtest/gtest.h>

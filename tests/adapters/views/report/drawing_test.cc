@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "adapters/views/report/drawing.h"
 
 #include <gmock/gmock.h>

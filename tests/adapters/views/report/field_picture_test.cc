@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "adapters/views/report/field_picture.h"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A robot as a plug-in, with one fault, which the environment variable PROSPECT_TEST_FAULT names at
 // the moment when it is asked for.
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The firmware of a differential drive behind TCP: takes "V SPEED YAW_RATE", answers each 20 ms
 // "O X Y YAW SPEED YAW_RATE"; ramps 1 m/s^2 and 3 rad/s^2; stops 0.3 s after the last command.
 //   tcp_firmware [well|mirrored|backwards|garbage|silent|gone]: what it does wrong, but for the

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A robot of one's own as a plug-in: a base over TCP (tcp_firmware.cc), whose odometry is its
 // localization, and a lidar that is pretended.
 #include <arpa/inet.h>
