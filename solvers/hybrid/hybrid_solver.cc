@@ -61,7 +61,7 @@ class HybridSolver final : public SolverFrame {
     options.push_back(
         {"polish_evaluations", 30, "evaluations of each start but the first, 2 or more"});
     options.push_back(
-        {"patience", 6, "turns without gain after which no further start is polished, 0 or more"});
+        {"patience", 2, "turns without gain after which no further start is polished, 0 or more"});
     options.push_back(
         {"polish_tolerance", 1e-3, "relative change of cost at which a basin is left, 0 to 1 [-]"});
     return options;

@@ -8,6 +8,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <mutex>
 #include <stdexcept>
 #include <string>
@@ -54,7 +55,7 @@ std::vector<OptionInfo> own_options() {
   options.push_back({"max_soc", 0, "Ipopt: second-order corrections tried for one step"});
   options.push_back({"stall_iterations", 10,
                      "iterations without a gain above 'tolerance' that end the solve once it has a "
-                     "feasible point, 0: never"});
+                     "feasible point; thrice as many without less violation before; 0: never"});
   options.push_back({"linear_solver", std::string("mumps"), "Ipopt: mumps, or what else it has"});
   return options;
 }
@@ -63,6 +64,11 @@ std::vector<OptionInfo> own_options() {
 /// that of acceptable points by Ipopt's own reckoning would be far looser.
 constexpr double kStallDual = 1e-3;
 constexpr double kStallInfeasibility = 1e-4;
+/// Without a feasible point, as many times `stall_iterations` end the solve, if the violation is at
+/// no time less than this share of what it was: the restoration phase would go on to the last
+/// evaluation.
+constexpr int kStallWithoutPoint = 3;
+constexpr double kLessViolated = 0.99;
 
 bool is_reserved(std::string_view name) {
   // The Hessian is ours: what is said of it would have no effect.
@@ -236,7 +242,8 @@ class ReducedProblem final : public Ipopt::TNLP {
     if (iteration > 0) evaluator_.count_iteration();
     mu_ = mu;
     if (evaluator_.should_stop()) return false;
-    if (stall_iterations_ == 0 || !evaluator_.incumbent_feasible()) return true;
+    if (stall_iterations_ == 0 || !evaluator_.has_incumbent()) return true;
+    if (!evaluator_.incumbent_feasible()) return lessens_violation(iteration);
     const double cost = evaluator_.incumbent_cost();
     const double slack = evaluator_.options().tolerance * std::max(1.0, std::abs(cost));
     // On the way through infeasible points, or at worse ones than the incumbent, nothing is at
@@ -305,6 +312,17 @@ class ReducedProblem final : public Ipopt::TNLP {
     hessian_jacobian_ = evaluator_.jacobian();
   }
 
+  /// Whether it is worth going on for a feasible point.
+  bool lessens_violation(Ipopt::Index iteration) {
+    const double violation = evaluator_.incumbent_violation();
+    if (violation < kLessViolated * stall_violation_) {
+      stall_violation_ = violation;
+      stall_begin_ = iteration;
+    }
+    stalled_ = iteration - stall_begin_ >= kStallWithoutPoint * stall_iterations_;
+    return !stalled_;
+  }
+
   /// A rejected point cuts Ipopt's step; after a stop everything fails, so that it ends by itself.
   /// With derivatives at once, as most trial points are taken: to ask for them later would evaluate
   /// the point again.
@@ -323,7 +341,7 @@ class ReducedProblem final : public Ipopt::TNLP {
   double mu_ = 0.0;
   bool has_multipliers_ = false;
   int stall_iterations_, stall_begin_ = 0;
-  double stall_cost_ = 0.0;
+  double stall_cost_ = 0.0, stall_violation_ = std::numeric_limits<double>::infinity();
   bool stall_known_ = false, stalled_ = false, stalled_at_optimum_ = false;
 };
 
@@ -445,7 +463,10 @@ class IpoptSolver final : public SolverFrame {
                     const ReducedProblem& reduced, WarmStart next) {
     if (reduced.stalled()) {
       return evaluator.finish(StopReason::kConverged, reduced.stalled_at_optimum(),
-                              "Ipopt: the cost no longer falls", std::move(next));
+                              evaluator.incumbent_feasible()
+                                  ? "Ipopt: the cost no longer falls"
+                                  : "Ipopt: the violation no longer falls",
+                              std::move(next));
     }
     StopReason reason = StopReason::kNumericalTrouble;
     std::string detail;

@@ -15,6 +15,7 @@
 #include "solvers/solver_frame.h"
 #include "solvers/sqp/quadratic_program.h"
 #include "solvers/sqp/stage_curvature.h"
+#include "solvers/sqp/stage_programme.h"
 
 namespace prospect {
 namespace {
@@ -30,6 +31,7 @@ constexpr int kLineSearch = 25;          // points of one line search
 constexpr double kLeastFloor = 1e-4;     // of the eigenvalues, as a share of the option's
 constexpr int kSmallSteps = 3;           // in a row, that gain no more than the tolerance
 constexpr double kLargestPenalty = 1e6;  // rho in search of a common point of the constraints
+constexpr double kLessMissing = 0.99;    // what is left by a step that lessens a violation
 
 /// What an evaluation gave.
 struct Point {
@@ -48,12 +50,14 @@ class Sqp {
         n_(evaluator.num_variables()),
         m_(evaluator.num_constraints()),
         margin_(0.5 * evaluator.options().feasibility_tolerance),
-        least_eigenvalue_(least_eigenvalue) {
+        least_eigenvalue_(least_eigenvalue),
+        by_stage_(evaluator.problem()) {
     const Horizon& h = evaluator.problem().horizon();
     const int variables = evaluator.problem().num_variables();
     curvature_.reset(h.nx(), h.N + 1);
     hessian_.setZero(variables, variables);
     by_drift_.setZero(variables);
+    stage_gradient_ = stage_diagonal_ = stage_lower_ = stage_upper_ = by_drift_;
     Q_.setZero(n_, n_);
     // One more variable and column than there are, for the penalty.
     B_.setZero(n_ + 1, n_ + 1);
@@ -97,7 +101,8 @@ class Sqp {
       const bool feasible =
           violation(here_.constraints) <= evaluator_.options().feasibility_tolerance;
       // Also where constraints that contradict each other hold it: the step promises nothing.
-      if (!feasible && expected_ <= 0.1 * least && left_ > 0.99 * missing(here_.constraints)) {
+      if (!feasible && expected_ <= 0.1 * least &&
+          left_ > kLessMissing * missing(here_.constraints)) {
         return end(StopReason::kNumericalTrouble, "no step lessens the violation", std::move(next));
       }
       if (feasible && (expected_ <= 0.1 * least || small >= kSmallSteps)) {
@@ -194,18 +199,12 @@ class Sqp {
   /// The step from here, its multipliers, and the decrease of the penalty function that it stands
   /// for: `slope_` to first order, `expected_` by the quadratic model.
   bool find_step() {
-    condense(here_);
-    for (Eigen::Index j = 0; j < n_; ++j) {
-      const int column = free_[at(j)];
-      for (Eigen::Index i = 0; i < n_; ++i) B_(i, j) = hessian_(free_[at(i)], column) + Q_(i, j);
-      B_(j, j) += kLeastCurvature * (unit_[j] + B_(j, j));
-      g_[j] = here_.gradient[j] + by_drift_[column];
-      lower_[j] = evaluator_.lower()[j] - here_.x[j];
-      upper_[j] = evaluator_.upper()[j] - here_.x[j];
-    }
     b_ = here_.constraints.array() - margin_;
     b_ += here_.stages.constraint_drift;
     left_ = 0.0;
+    formed_ = false;
+    if (find_step_by_stage()) return true;
+    form_programme();
     QuadraticProgram::Status status = solve_programme();
     if (status == QuadraticProgram::Status::kSolved) {
       step_ = programme_.x();
@@ -222,22 +221,72 @@ class Sqp {
     return true;
   }
 
+  /// The same stage by stage, where every variable moves a state and no constraint holds the step
+  /// back. False: it takes the dense programme.
+  bool find_step_by_stage() {
+    if (!remainder_.empty() || here_.stages.state_gradient.isZero(0.0)) return false;
+    const Eigen::VectorXd z = evaluator_.expand(here_.x);
+    for (Eigen::Index j = 0; j < n_; ++j) {
+      const int column = free_[at(j)];
+      stage_gradient_[column] = here_.gradient[j];
+      stage_diagonal_[column] =
+          kLeastCurvature * (unit_[j] + here_.stages.input_hessian(column, column));
+      stage_lower_[column] = evaluator_.lower()[j] - here_.x[j];
+      stage_upper_[column] = evaluator_.upper()[j] - here_.x[j];
+    }
+    by_stage_.linearise(here_.stages.states, z);
+    curvature_.project(floor_ * least_eigenvalue_);
+    const auto status =
+        by_stage_.solve(curvature_.projections(), here_.stages.input_hessian, stage_diagonal_,
+                        stage_gradient_, here_.stages.drift, stage_lower_, stage_upper_);
+    if (status != StageProgramme::Status::kSolved) return false;
+    step_.resize(n_);
+    for (Eigen::Index j = 0; j < n_; ++j) step_[j] = by_stage_.x()[free_[at(j)]];
+    if (m_ > 0) {
+      product_ = b_;
+      product_.noalias() += here_.jacobian * step_;
+      if (product_.minCoeff() < 0.0) return false;
+    }
+    multipliers_.setZero(m_);
+    slope_ = rho_ * missing(here_.constraints) - here_.gradient.dot(step_);
+    // B d = multipliers - g where nothing drifts.
+    expected_ = slope_ - 0.5 * by_stage_.x().dot(by_stage_.multipliers() - stage_gradient_);
+    return true;
+  }
+
+  /// The dense programme at here_: all but b_.
+  void form_programme() {
+    condense(here_);
+    for (Eigen::Index j = 0; j < n_; ++j) {
+      const int column = free_[at(j)];
+      for (Eigen::Index i = 0; i < n_; ++i) B_(i, j) = hessian_(free_[at(i)], column) + Q_(i, j);
+      B_(j, j) += kLeastCurvature * (unit_[j] + B_(j, j));
+      g_[j] = here_.gradient[j] + by_drift_[column];
+      lower_[j] = evaluator_.lower()[j] - here_.x[j];
+      upper_[j] = evaluator_.upper()[j] - here_.x[j];
+    }
+    formed_ = true;
+  }
+
   QuadraticProgram::Status solve_programme() {
     return programme_.solve(B_.topLeftCorner(n_, n_), g_.head(n_), here_.jacobian, b_,
                             lower_.head(n_), upper_.head(n_));
   }
 
   /// Where the linearised constraints have no common point: what each of them may miss, at most, is
-  /// a variable with the cost rho. rho grows until that is as small as it can be.
+  /// a variable with the cost rho. rho grows until that is as small as it can be: as long as
+  /// nothing is gained on what is missing here, to the end, since a small rho buys no long step.
   QuadraticProgram::Status solve_penalty() {
     A_.leftCols(n_) = here_.jacobian;
+    const double here = kLessMissing * missing(here_.constraints);
     double before = std::numeric_limits<double>::infinity();
     for (;; rho_ *= 10.0) {
       g_[n_] = rho_;
       const auto status = penalty_.solve(B_, g_, A_, b_, lower_, upper_);
       if (status != QuadraticProgram::Status::kSolved) return status;
       left_ = penalty_.x()[n_];
-      if (left_ <= margin_ || left_ > 0.99 * before || rho_ >= kLargestPenalty) break;
+      const bool settled = left_ > kLessMissing * before && left_ <= here;
+      if (left_ <= margin_ || settled || rho_ >= kLargestPenalty) break;
       before = left_;
     }
     step_ = penalty_.x().head(n_);
@@ -253,8 +302,13 @@ class Sqp {
     for (int i = 0; i < kLineSearch; ++i) {
       there_.x = here_.x + (corrected ? correction_ : step_) * alpha;
       there_.x = there_.x.cwiseMax(evaluator_.lower()).cwiseMin(evaluator_.upper());
-      const EvaluationOutcome outcome = evaluator_.evaluate(there_.x, Evaluate::kStages);
-      if (outcome == EvaluationOutcome::kStopped) return false;
+      // After the last evaluation nobody asks for derivatives.
+      const bool last = evaluator_.evaluations_left() <= 1;
+      const EvaluationOutcome outcome =
+          evaluator_.evaluate(there_.x, last ? Evaluate::kValue : Evaluate::kStages);
+      if (outcome == EvaluationOutcome::kStopped || (last && evaluator_.should_stop())) {
+        return false;
+      }
       double shorter = 0.25;
       if (outcome == EvaluationOutcome::kEvaluated) {
         const double gain = here - evaluator_.cost() - rho_ * missing(evaluator_.constraints());
@@ -280,6 +334,7 @@ class Sqp {
 
   /// The step to where the constraints, linearised here, are what they were found to be at its end.
   bool correct() {
+    if (!formed_) form_programme();
     b_ = evaluator_.constraints().array() - margin_;
     b_.noalias() -= here_.jacobian * step_;
     if (solve_programme() != QuadraticProgram::Status::kSolved) return false;
@@ -347,13 +402,15 @@ class Sqp {
   Point here_, there_;
   StageCurvature curvature_;
   QuadraticProgram programme_, penalty_;
+  StageProgramme by_stage_;
   double floor_ = 1.0;  // of what least_eigenvalue_ says
   double rho_ = 1.0, left_ = 0.0, slope_ = 0.0, expected_ = 0.0;
-  bool scaled_ = false;
+  bool scaled_ = false, formed_ = false;
   std::vector<Eigen::Index> remainder_;
   Eigen::MatrixXd Q_, B_, A_, hessian_, states_, change_, gradient_change_;
   Eigen::VectorXd unit_;  // of second derivatives: 1 over the squared range of a variable
   Eigen::VectorXd g_, b_, lower_, upper_, by_drift_, product_, step_, correction_, multipliers_;
+  Eigen::VectorXd stage_gradient_, stage_diagonal_, stage_lower_, stage_upper_;  // of all variables
   Eigen::VectorXd s_, y_, Qs_;
 };
 

@@ -28,6 +28,9 @@ namespace prospect {
 ///    that move no state: all of it in a plain nonlinear programme, nothing in a planning problem.
 ///    It begins as 1 over the squared range of each variable, so that units do not matter.
 ///
+/// Where every variable moves a state and the step breaks no linearised constraint, it is found
+/// stage by stage (StageProgramme), else as a dense programme (QuadraticProgram).
+///
 /// The line search is that of the exact penalty f + rho max(0, -min_r c_r), with a second-order
 /// correction where the full step violates the constraints more. If the linearised constraints have
 /// no common point, the step is that of the same penalty of them (one more variable).

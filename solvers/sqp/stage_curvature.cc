@@ -19,7 +19,7 @@ constexpr double kLeastWay = 1e-6;
 void StageCurvature::reset(int nx, int nodes) {
   nx_ = nx;
   H_.setZero(nx, nx * nodes);
-  P_.resize(nx, nx);
+  P_.setZero(nx, nx * nodes);
   residual_.resize(nx);
   eigen_.compute(Eigen::MatrixXd::Zero(nx, nx));
 }
@@ -33,8 +33,8 @@ void StageCurvature::difference(int i, double step, const Eigen::Ref<const Eigen
 
 void StageCurvature::symmetrise() {
   for (Eigen::Index first = 0; first < H_.cols(); first += nx_) {
-    P_ = H_.middleCols(first, nx_);
-    H_.middleCols(first, nx_) = 0.5 * (P_ + P_.transpose());
+    node_ = H_.middleCols(first, nx_);
+    H_.middleCols(first, nx_) = 0.5 * (node_ + node_.transpose());
   }
 }
 
@@ -51,22 +51,40 @@ void StageCurvature::update(const Eigen::Ref<const Eigen::MatrixXd>& s,
   }
 }
 
+void StageCurvature::project(double least) {
+  const auto raise = [least](const auto& eigen, auto P) {
+    P.noalias() = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(least).asDiagonal() *
+                  eigen.eigenvectors().transpose();
+  };
+  for (Eigen::Index first = nx_; first < H_.cols(); first += nx_) {
+    const auto H = H_.middleCols(first, nx_);
+    auto P = P_.middleCols(first, nx_);
+    if (H.isZero(0.0)) {
+      P.setZero();
+    } else if (nx_ == 3) {
+      eigen3_.compute(Eigen::Matrix3d(H));
+      raise(eigen3_, P.leftCols<3>().topRows<3>());
+    } else {
+      eigen_.compute(H);
+      raise(eigen_, P);
+    }
+  }
+}
+
 void StageCurvature::condense(double least, const std::vector<Eigen::MatrixXd>& sensitivity,
                               const Eigen::Ref<const Eigen::MatrixXd>& drift,
                               Eigen::MatrixXd& hessian, Eigen::VectorXd& gradient) {
+  project(least);
   PS_.resize(nx_, gradient.size());
   for (std::size_t k = 1; k < sensitivity.size(); ++k) {
     const auto node = static_cast<Eigen::Index>(k);
-    const auto H = H_.middleCols(node * nx_, nx_);
-    if (H.isZero(0.0)) continue;
-    eigen_.compute(H);
-    P_.noalias() = eigen_.eigenvectors() * eigen_.eigenvalues().cwiseMax(least).asDiagonal() *
-                   eigen_.eigenvectors().transpose();
+    const auto P = P_.middleCols(node * nx_, nx_);
+    if (P.isZero(0.0)) continue;
     // Inputs after node k do not move it: the last columns are zero.
     const Eigen::MatrixXd& S = sensitivity[k];
     Eigen::Index columns = S.cols();
     while (columns > 0 && S.col(columns - 1).isZero(0.0)) --columns;
-    PS_.leftCols(columns).noalias() = P_ * S.leftCols(columns);
+    PS_.leftCols(columns).noalias() = P * S.leftCols(columns);
     hessian.topLeftCorner(columns, columns).noalias() +=
         S.leftCols(columns).transpose() * PS_.leftCols(columns);
     gradient.head(columns).noalias() += PS_.leftCols(columns).transpose() * drift.col(node);

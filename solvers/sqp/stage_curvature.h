@@ -35,20 +35,24 @@ class StageCurvature {
   void update(const Eigen::Ref<const Eigen::MatrixXd>& s,
               const Eigen::Ref<const Eigen::MatrixXd>& y);
 
-  /// Adds what the projections P_k of H_k on matrices with eigenvalues of at least `least` say of
-  /// the variables:
+  /// The projections P_k of H_k on matrices with eigenvalues of at least `least`: nx x (N+1) nx.
+  /// Zero at a node of whose curvature nothing is known (H_k = 0).
+  void project(double least);
+  const Eigen::MatrixXd& projections() const { return P_; }
+
+  /// Adds what the projections, those of project(least), say of the variables:
   ///   hessian += sum_k S_k^T P_k S_k,   gradient += sum_k S_k^T P_k e_k
-  /// with the sensitivities S_k (nx x n) and the drift e (nx x (N+1)). A node of whose curvature
-  /// nothing is known (H_k = 0) adds nothing.
+  /// with the sensitivities S_k (nx x n) and the drift e (nx x (N+1)).
   void condense(double least, const std::vector<Eigen::MatrixXd>& sensitivity,
                 const Eigen::Ref<const Eigen::MatrixXd>& drift, Eigen::MatrixXd& hessian,
                 Eigen::VectorXd& gradient);
 
  private:
   Eigen::Index nx_ = 0;
-  Eigen::MatrixXd H_, P_, PS_;
+  Eigen::MatrixXd H_, P_, PS_, node_;
   Eigen::VectorXd residual_;
   Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen_;
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen3_;  // faster, and most models have three
 };
 
 }  // namespace prospect

@@ -218,6 +218,33 @@ TEST_P(EverySolver, EndsAnInfeasibleProgrammeByItself) {
   }
 }
 
+// An interior point's restoration went on to the last evaluation.
+TEST_P(EverySolver, SaysThatNoPointIsFeasible) {
+  Case c{"no circle", vec({-5, -5}), vec({5, 5}), vec({1, 1})};
+  c.f = [](const Vector& x) { return x[0]; };
+  c.g = [](const Vector&) { return vec({1, 0}); };
+  c.residuals = FunctionResiduals{-10.0};
+  c.rows = 2;
+  c.c = [](const Vector& x) {
+    const double h = x.squaredNorm() + 1.0;
+    return vec({1e-6 + h, 1e-6 - h});
+  };
+  c.J = [](const Vector& x) {
+    zoo::Matrix J(2, 2);
+    J << 2.0 * x.transpose(), -2.0 * x.transpose();
+    return J;
+  };
+  const Problem problem = c.problem();
+  const Result r = solver_->solve(problem, from(c.start), {{"max_evaluations", 1000}}, patience());
+  expect_sound(r, problem);
+  EXPECT_EQ(r.quality, Quality::kInfeasible) << r.detail;
+  const bool leading = GetParam() == "nlopt" || GetParam() == "sqp" || GetParam() == "hybrid" ||
+                       GetParam() == "ipopt";
+  if (leading) {
+    EXPECT_EQ(r.stop, StopReason::kInfeasible) << r.detail;
+  }
+}
+
 TEST_P(EverySolver, FindsTheInputsBehindAPathPastADisc) {
   const PathProblem path = path_problem();
   const Result r = solver_->solve(path.problem, from(Vector::Zero(20)), {}, {});
