@@ -274,19 +274,16 @@ class Sqp {
   }
 
   /// Where the linearised constraints have no common point: what each of them may miss, at most, is
-  /// a variable with the cost rho. rho grows until that is as small as it can be: as long as
-  /// nothing is gained on what is missing here, to the end, since a small rho buys no long step.
+  /// a variable with the cost rho. rho grows until that is as small as it can be.
   QuadraticProgram::Status solve_penalty() {
     A_.leftCols(n_) = here_.jacobian;
-    const double here = kLessMissing * missing(here_.constraints);
     double before = std::numeric_limits<double>::infinity();
     for (;; rho_ *= 10.0) {
       g_[n_] = rho_;
       const auto status = penalty_.solve(B_, g_, A_, b_, lower_, upper_);
       if (status != QuadraticProgram::Status::kSolved) return status;
       left_ = penalty_.x()[n_];
-      const bool settled = left_ > kLessMissing * before && left_ <= here;
-      if (left_ <= margin_ || settled || rho_ >= kLargestPenalty) break;
+      if (left_ <= margin_ || left_ > kLessMissing * before || rho_ >= kLargestPenalty) break;
       before = left_;
     }
     step_ = penalty_.x().head(n_);
