@@ -133,6 +133,7 @@ void FrontierPlanner::follow(const PlaceMoves& moves) {
     traversability_.close(c.at, kHeldUpRadius);
   }
   if (target_) target_ = now(*target_);
+  progress_.follow([&](const Eigen::Vector2d& p) { return moves.now(p); });
   utility_.follow(moves);
 }
 
@@ -474,9 +475,10 @@ void FrontierPlanner::take_over(const GroundMap& ground, const Pose& pose, doubl
                          here.frontier >= 0 ? std::optional(here.sees) : std::nullopt, pause);
   }
   if (!activity.pursued) progress_.hold(stamp);
-  // A loss far from the target says nothing of it: other paths lead through there, too.
-  if (activity.got_lost && target_ &&
-      (frame.center(*target_) - p).norm() <= options_.utility.sensor_range) {
+  // A loss far from the target says nothing of it, for other paths lead through there, too; but a
+  // path on which it is lost again and again does not lead there.
+  const bool near = target_ && (frame.center(*target_) - p).norm() <= options_.utility.sensor_range;
+  if (activity.got_lost && target_ && (progress_.lost_again() || near)) {
     fail_visit(detector_.frontiers(), TargetChange::kLost, pause);
   }
   const bool anywhere = !options_.area && options_.traversability.zones == nullptr;
@@ -573,14 +575,13 @@ void FrontierPlanner::keep_or_change_target(const Pose& pose, double stamp, cons
 }
 
 // Where the target is, and whether the robot gets on towards it.
-void FrontierPlanner::follow_target(const Pose& pose, double stamp, GlobalPlan& global_plan,
+void FrontierPlanner::follow_target(double stamp, GlobalPlan& global_plan,
                                     const PausePoint& pause) {
   const GridFrame& frame = traversability_.frame();
-  const Eigen::Vector2d p = pose.position.head<2>();
   const double explored = traversability_.explored_area();
   FrontierFacts& facts = global_plan.facts;
   if (!field_.anchor_reached()) {
-    progress_.begin(stamp, p, explored, 0.0);
+    progress_.begin(stamp, explored);
     progress_.no_target();
     return;
   }
@@ -597,9 +598,11 @@ void FrontierPlanner::follow_target(const Pose& pose, double stamp, GlobalPlan& 
   facts.path_left = path_left();
   const std::optional<Cell> narrow = narrow_ahead();
   facts.narrow = narrow.has_value();
-  const double value = field_.value(field_.anchor());
-  progress_.begin(stamp, p, explored, value);
-  progress_.update(facts.changed == TargetChange::kNone, p, value, explored);
+  progress_.begin(stamp, explored);
+  progress_.update(
+      facts.changed == TargetChange::kNone, frame.center(field_.anchor()),
+      [&](const Eigen::Vector2d& at) { return field_.value(frame.cell(at.x(), at.y())); },
+      explored);
   target_ = source.sees;
   if (progress_.hopeless()) {
     progress_.given_up(explored);
@@ -630,7 +633,7 @@ std::shared_ptr<const GlobalPlan> FrontierPlanner::update(
   keep_or_change_target(pose, stamp,
                         prices(visibility_map, traversability_.frame().cell(p.x(), p.y()), pause),
                         *global_plan);
-  follow_target(pose, stamp, *global_plan, pause);
+  follow_target(stamp, *global_plan, pause);
 
   FrontierFacts& facts = global_plan->facts;
   facts.stalled_for = progress_.stalled_for();

@@ -115,8 +115,10 @@ struct GlobalPlan {
 ///   seen          its area fell below `resolved` times what it was, or below least_area;
 ///   unreachable   no path leads there any more;
 ///   no progress   the robot did not get on towards it (ProgressMonitor): its confidence is
-///   lowered; lost          localization was lost within the sensor's range of it: likewise; better
-///   every `reconsider` seconds: another sequence is worth `commitment` more.
+///   lowered;
+///   lost          localization was lost within the sensor's range of it, or again without progress
+///   in between: likewise;
+///   better        every `reconsider` seconds: another sequence is worth `commitment` more.
 /// While there is none, it is asked for every reconsider / 2 seconds.
 /// The reason is FrontierFacts::changed. V(p) = D(p, target) / v_max, D by the eikonal equation
 /// (cost_to_go_field.h); with a feature visibility map, a metre travelled within 10 m of the robot
@@ -190,8 +192,7 @@ class FrontierPlanner {
   bool set_goal(int frontier, Cell robot, const Prices& prices);
   void keep_or_change_target(const Pose& pose, double stamp, const Prices& prices,
                              GlobalPlan& global_plan);
-  void follow_target(const Pose& pose, double stamp, GlobalPlan& global_plan,
-                     const PausePoint& pause);
+  void follow_target(double stamp, GlobalPlan& global_plan, const PausePoint& pause);
   void close(Cell at, double stamp);
   void count_along_travel(const FeatureVisibilityMap& visibility_map, Cell robot,
                           const PausePoint& pause);
