@@ -17,11 +17,12 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kPlaceSpacing = 0.5;  // [m] between the places where the robot has been
-// Horizons [-] beyond which the path between two candidates is not searched: it counts as that by
-// way of the robot.
+// Times the patience [-] beyond which the path between two candidates is not searched: it counts as
+// that by way of the robot.
 constexpr double kFarthestBetween = 1.0;
-constexpr double kFirstSearch = 0.75;  // horizons [-] to which paths are searched at first
-constexpr double kLastSearch = 3.0;    // horizons [-] from which on all are
+constexpr double kFirstSearch =
+    0.75;                            // times the patience [-] to which paths are searched at first
+constexpr double kLastSearch = 3.0;  // times the patience [-] from which on all are
 // [m] along either axis, within which features count on a path: what is seen from farther away will
 // have changed by then, and the cost must not grow with the map.
 constexpr double kPricedWithin = 10.0;
@@ -41,7 +42,7 @@ FrontierPlanner::FrontierPlanner(const FrontierPlannerOptions& options)
   KnobCheck check("frontier planner");
   describe(check, checked);
   describe_end(check, checked);
-  check_not_negative("frontier planner", "turn_price", options.turn_price);
+  check_not_negative("frontier planner", "turn_time", options.turn_time);
   if (options.area) {
     const std::string fault = polygon_fault(*options.area);
     if (!fault.empty()) throw std::invalid_argument("exploration frontier_planner: area: " + fault);
@@ -205,7 +206,8 @@ TargetChange FrontierPlanner::reason_to_choose(const std::vector<Frontier>& fron
 void FrontierPlanner::measure_paths(const Pose& pose, const std::vector<Frontier>& frontiers,
                                     int current, bool all, const Prices& prices) {
   const GridFrame& frame = traversability_.frame();
-  const double horizon = options_.order.horizon;
+  const double v_max = options_.cost_to_go.v_max;
+  const double horizon = v_max * options_.order.patience;  // [m]
   path_lengths_.begin_at_robot(traversability_, frame.cell(pose.position.x(), pose.position.y()),
                                prices.pause);
   double limit = all || options_.rule ? kInfinity : kFirstSearch * horizon;
@@ -220,10 +222,8 @@ void FrontierPlanner::measure_paths(const Pose& pose, const std::vector<Frontier
       if (length >= best.length) return;
       if (prices.observation) length += prices.observation(c, sees);
       if (length >= best.length) return;
-      best = {length,
-              (path_lengths_.unpriced(c) + cost) / options_.cost_to_go.v_max +
-                  options_.observation_time,
-              c};
+      best = {length, length / v_max + options_.observation_time,
+              (path_lengths_.unpriced(c) + cost) / v_max + options_.observation_time, c};
     });
     for (std::size_t k = 0; k < frontiers.size(); ++k) {
       if (k % 64 == 0) prices.pause();
@@ -245,10 +245,9 @@ void FrontierPlanner::add_turn(const Pose& pose, const Frontier& frontier, Path&
     const Eigen::Vector2d to = frontier.centroid - pose.position.head<2>();
     heading = std::atan2(to.y(), to.x());
   }
-  const double turn =
-      options_.turn_price * std::abs(std::remainder(heading - pose.yaw, 2.0 * M_PI));
-  if (!options_.rule) path.length += turn;
-  path.time += turn / options_.cost_to_go.v_max;
+  const double turn = options_.turn_time * std::abs(std::remainder(heading - pose.yaw, 2.0 * M_PI));
+  path.cost += turn;
+  path.time += turn;
 }
 
 // Whether no frontier to which the path is longer than `limit` can be a leading candidate. No path
@@ -261,16 +260,18 @@ bool FrontierPlanner::nothing_farther_leads(const Eigen::Vector2d& robot,
     pause();
     const Frontier& f = frontiers[k];
     if (f.area < options_.least_area) continue;
-    double path = path_to_[k].length;
-    const bool searched = path <= limit;
+    double cost = path_to_[k].cost;
+    const bool searched = path_to_[k].length <= limit;
     if (!searched) {
       double straight = kInfinity;
       for (const Cell c : f.cells) {
         straight = std::min(straight, (traversability_.frame().center(c) - robot).squaredNorm());
       }
-      path = std::max(limit, std::sqrt(straight) - options_.frontiers.near_distance);
+      cost = std::max(limit, std::sqrt(straight) - options_.frontiers.near_distance) /
+                 options_.cost_to_go.v_max +
+             options_.observation_time;
     }
-    all.push_back({searched ? static_cast<int>(k) : -1, f.area, path, 0.0, f.confidence, 0.0});
+    all.push_back({.frontier = searched ? static_cast<int>(k) : -1, .area = f.area, .cost = cost});
   }
   all = leading_candidates(std::move(all), options_.order, pause);
   return !all.empty() &&
@@ -287,7 +288,7 @@ int FrontierPlanner::choose(const std::vector<Frontier>& frontiers, std::optiona
     const Path& path = path_to_[k];
     if (f.area < options_.least_area || !(path.length < kInfinity)) continue;
     const auto counted = static_cast<double>(f.cells.size()) - f.ignored_cells;
-    candidates.push_back({static_cast<int>(k), f.area, path.length, path.time, f.confidence,
+    candidates.push_back({static_cast<int>(k), f.area, path.cost, path.time, path.length,
                           counted * traversability_.frame().resolution});
   }
   if (candidates.empty()) return -1;
@@ -354,7 +355,7 @@ int FrontierPlanner::choose(const std::vector<Frontier>& frontiers, std::optiona
   };
   viewpoints.erase(std::unique(viewpoints.begin(), viewpoints.end(), same), viewpoints.end());
   const auto n = static_cast<Eigen::Index>(candidates.size());
-  Eigen::MatrixXd between(n, n);
+  Eigen::MatrixXd between(n, n);  // [m of path equivalent]
   for (Eigen::Index a = 0; a < n; ++a) {
     for (Eigen::Index b = 0; b < n; ++b) {
       between(a, b) = candidates[static_cast<std::size_t>(a)].path +
@@ -377,15 +378,14 @@ int FrontierPlanner::choose(const std::vector<Frontier>& frontiers, std::optiona
         return between.row(a).maxCoeff() <= length;
       };
       path_lengths_.flood(between_, path_to_[static_cast<std::size_t>(frontier)].viewpoint,
-                          kFarthestBetween * options_.order.horizon, all_found, prices.pause);
+                          kFarthestBetween * options_.order.patience * options_.cost_to_go.v_max,
+                          all_found, prices.pause);
     }
   }
+  between = between.array() / options_.cost_to_go.v_max + options_.observation_time;  // [s]
   const FrontierSequence best = best_sequence(candidates, between, options_.order);
   if (best.order.empty()) return -1;
-  if (!alone && rate(best, candidates, between, options_.cost_to_go.v_max,
-                     options_.observation_time) < options_.least_rate) {
-    return -1;
-  }
+  if (!alone && rate(best, candidates, between) < options_.least_rate) return -1;
   if (own) {
     const FrontierSequence kept =
         best_sequence(candidates, between, options_.order, index_of(own->frontier));

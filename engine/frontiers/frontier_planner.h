@@ -43,7 +43,7 @@ struct FrontierPlannerOptions {
   double least_area = 0.1;        ///< [m^2] a frontier that promises less is not gone to
   double least_rate = 0.017;      ///< [m^2/s] nor are those that do for the time that they take
   double observation_time = 2.0;  ///< [s] of an observation, beside the path to it
-  double turn_price = 0.6;        ///< [m/rad] of way that turning counts as: v_max / omega_max
+  double turn_time = 1.0;         ///< [s/rad] of turning: 1 / omega_max
   double observation_length =
       2.0;  ///< [m] of travel that an observation counts as where features are few
 
@@ -54,13 +54,12 @@ struct FrontierPlannerOptions {
   /// [s] for which a place that could not be passed is impassable, if something else is left.
   double closing_time = 100.0;
 
-  /// Chooses the target instead of best_sequence(), asked as often; ways are without the turn at
-  /// their start then. Null: best_sequence() does.
+  /// Chooses the target instead of best_sequence(), asked as often. Null: best_sequence() does.
   TargetRule rule;
 };
 
 /// The knobs of all parts (models/knobs.h), in one group: all but those of describe_end().
-/// turn_price and area come from robot and task.
+/// turn_time and area come from robot and task.
 void describe(Knobs& knobs, FrontierPlannerOptions& options);
 /// Those that decide when nothing is left that is worth going to.
 void describe_end(Knobs& knobs, FrontierPlannerOptions& options);
@@ -107,8 +106,8 @@ struct GlobalPlan {
 /// (frontier_utility.h). It is a candidate if E_c >= least_area, a path leads to one of its
 /// viewpoints, and the path is worth it,
 ///
-///     E_c / (w_c / v_max + observation_time) >= least_rate,    w_c = path + turn_price |turn at
-///     its start|
+///     E_c / t_c >= least_rate,    t_c = path / v_max + turn_time |turn at its start| +
+///                                       observation_time
 ///
 /// The target is the first of the best sequence of candidates (frontier_order.h), if its beginning
 /// is worth its path, else of those that are each; and remains so until
@@ -171,8 +170,9 @@ class FrontierPlanner {
  private:
   /// To a frontier.
   struct Path {
-    double length = std::numeric_limits<double>::infinity();  // [m of path equivalent], w
-    double time = std::numeric_limits<double>::infinity();    // [s] of going and looking there
+    double length = std::numeric_limits<double>::infinity();  // [m of path equivalent]
+    double cost = std::numeric_limits<double>::infinity();    // [s] as FrontierCandidate has it
+    double time = std::numeric_limits<double>::infinity();    // likewise
     Cell viewpoint;                                           // at its end
   };
   struct Closing {

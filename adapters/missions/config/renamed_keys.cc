@@ -33,7 +33,6 @@ const std::vector<RenamedKey>& renamed_keys() {
       {"planner.frontiers.look_interval", "planner.frontiers.observation_interval"},
       {"planner.frontiers.look_margin", "planner.frontiers.view_margin"},
       {"planner.frontiers.least_trust", "planner.frontiers.least_confidence"},
-      {"planner.frontiers.every_look", "planner.frontiers.every_observation"},
       {"planner.frontiers.look_time", "planner.frontiers.observation_time"},
       {"planner.frontiers.look_length", "planner.frontiers.observation_length"},
       {"drive.following.more_way", "drive.following.more_distance"},
@@ -52,6 +51,10 @@ const std::vector<GoneKey>& gone_keys() {
   static const std::vector<GoneKey> keys = {
       {"perception.odometry.disparity_offset.trust", "0.5",
        "perception.odometry.shared_errors says what errors share"},
+      {"planner.frontiers.horizon", "20",
+       "planner.frontiers.patience is the same in seconds, so that turning and observing count"},
+      {"planner.frontiers.every_observation", "0.3",
+       "planner.frontiers.observation_time says what an observation costs"},
   };
   return keys;
 }
