@@ -23,24 +23,23 @@ class Search {
 
   FrontierSequence run(int first) {
     for (int k = 0; k < static_cast<int>(candidates_.size()); ++k) {
-      if (first < 0 || k == first) extend(k, candidates_[static_cast<std::size_t>(k)].path, 0.0);
+      if (first < 0 || k == first) extend(k, candidates_[static_cast<std::size_t>(k)].cost, 0.0);
     }
     return best_;
   }
 
  private:
-  void extend(int next, double path, double value) {
-    if (!std::isfinite(path)) return;
+  void extend(int next, double time, double value) {
+    if (!std::isfinite(time)) return;
     const auto at = static_cast<std::size_t>(next);
-    value += (options_.every_observation * candidates_[at].confidence + candidates_[at].area) *
-             std::exp(-path / options_.horizon);
+    value += candidates_[at].area * std::exp(-time / options_.patience);
     order_.push_back(next);
     used_[at] = true;
     if (value > best_.value) best_ = {order_, value};
     if (static_cast<int>(order_.size()) < options_.sequence_length) {
       for (std::size_t k = 0; k < candidates_.size(); ++k) {
         if (used_[k]) continue;
-        extend(static_cast<int>(k), path + between_(next, static_cast<Eigen::Index>(k)), value);
+        extend(static_cast<int>(k), time + between_(next, static_cast<Eigen::Index>(k)), value);
       }
     }
     used_[at] = false;
@@ -63,9 +62,7 @@ std::vector<FrontierCandidate> leading_candidates(std::vector<FrontierCandidate>
   std::vector<std::pair<double, std::size_t>> by_value;  // less than 0: the greatest come first
   for (const FrontierCandidate& c : candidates) {
     if (by_value.size() % 64 == 0) pause();
-    by_value.emplace_back(
-        -(options.every_observation * c.confidence + c.area) * std::exp(-c.path / options.horizon),
-        by_value.size());
+    by_value.emplace_back(-c.area * std::exp(-c.cost / options.patience), by_value.size());
   }
   const std::size_t most =
       std::min(candidates.size(), static_cast<std::size_t>(options.candidates));
@@ -77,13 +74,13 @@ std::vector<FrontierCandidate> leading_candidates(std::vector<FrontierCandidate>
 }
 
 double rate(const FrontierSequence& sequence, const std::vector<FrontierCandidate>& candidates,
-            const Eigen::MatrixXd& between, double v_max, double observation_time) {
+            const Eigen::MatrixXd& between) {
   double best = 0.0, area = 0.0, time = 0.0;
   for (std::size_t n = 0; n < sequence.order.size(); ++n) {
     const int k = sequence.order[n];
     const FrontierCandidate& c = candidates[static_cast<std::size_t>(k)];
     area += c.area;
-    time += n == 0 ? c.time : between(sequence.order[n - 1], k) / v_max + observation_time;
+    time += n == 0 ? c.time : between(sequence.order[n - 1], k);
     best = std::max(best, area / time);
   }
   return best;
@@ -96,10 +93,8 @@ FrontierSequence best_sequence(const std::vector<FrontierCandidate>& candidates,
 }
 
 void describe(Knobs& knobs, FrontierOrderOptions& o) {
-  knobs.number("horizon", o.horizon, {0.1, 1e4}, "m",
-               "of path in which what is still to be seen loses a factor of e in utility");
-  knobs.number("every_observation", o.every_observation, {0.0, 100.0}, "m2",
-               "that a frontier counts besides its area");
+  knobs.number("patience", o.patience, {0.1, 1e4}, "s",
+               "in which what is still to be seen loses a factor of e in utility");
   knobs.integer("candidates", o.candidates, {1, 10}, "1", "frontiers that are put in order");
   knobs.integer("sequence_length", o.sequence_length, {1, 6}, "1",
                 "of them that a sequence holds at most");

@@ -18,11 +18,12 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kPlaceSpacing = 0.5;  // [m] between the places where the robot has been
-// Horizons [-] beyond which the path between two candidates is not searched: it counts as that by
-// way of the robot.
+// Times the patience [-] beyond which the path between two candidates is not searched: it counts as
+// that by way of the robot.
 constexpr double kFarthestBetween = 1.0;
-constexpr double kFirstSearch = 0.75;  // horizons [-] to which paths are searched at first
-constexpr double kLastSearch = 3.0;    // horizons [-] from which on all are
+constexpr double kFirstSearch =
+    0.75;                            // times the patience [-] to which paths are searched at first
+constexpr double kLastSearch = 3.0;  // times the patience [-] from which on all are
 // [m] along either axis, within which features count on a path: what is seen from farther away will
 // have changed by then, and the cost must not grow with the map.
 constexpr double kPricedWithin = 10.0;
@@ -42,7 +43,7 @@ FrontierPlanner::FrontierPlanner(const FrontierPlannerOptions& options)
   KnobCheck check("frontier planner");
   describe(check, checked);
   describe_end(check, checked);
-  check_not_negative("frontier planner", "turn_price", options.turn_price);
+  check_not_negative("frontier planner", "turn_time", options.turn_time);
   if (options.area) {
     const std::string fault = polygon_fault(*options.area);
     if (!fault.empty()) throw std::invalid_argument("exploration frontier_planner: area: " + fault);
@@ -134,6 +135,7 @@ void FrontierPlanner::follow(const PlaceMoves& moves) {
     traversability_.close(c.at, kHeldUpRadius);
   }
   if (target_) target_ = now(*target_);
+  progress_.follow([&](const Eigen::Vector2d& p) { return moves.now(p); });
   utility_.follow(moves);
 }
 
@@ -205,7 +207,8 @@ TargetChange FrontierPlanner::reason_to_choose(const std::vector<Frontier>& fron
 void FrontierPlanner::measure_paths(const Pose& pose, const std::vector<Frontier>& frontiers,
                                     int current, bool all, const Prices& prices) {
   const GridFrame& frame = traversability_.frame();
-  const double horizon = options_.order.horizon;
+  const double v_max = options_.cost_to_go.v_max;
+  const double horizon = v_max * options_.order.patience;  // [m]
   path_lengths_.begin_at_robot(traversability_, frame.cell(pose.position.x(), pose.position.y()),
                                prices.pause);
   double limit = all || options_.rule ? kInfinity : kFirstSearch * horizon;
@@ -220,10 +223,8 @@ void FrontierPlanner::measure_paths(const Pose& pose, const std::vector<Frontier
       if (length >= best.length) return;
       if (prices.observation) length += prices.observation(c, sees);
       if (length >= best.length) return;
-      best = {length,
-              (path_lengths_.unpriced(c) + cost) / options_.cost_to_go.v_max +
-                  options_.observation_time,
-              c};
+      best = {length, length / v_max + options_.observation_time,
+              (path_lengths_.unpriced(c) + cost) / v_max + options_.observation_time, c};
     });
     for (std::size_t k = 0; k < frontiers.size(); ++k) {
       if (k % 64 == 0) prices.pause();
@@ -245,10 +246,9 @@ void FrontierPlanner::add_turn(const Pose& pose, const Frontier& frontier, Path&
     const Eigen::Vector2d to = frontier.centroid - pose.position.head<2>();
     heading = std::atan2(to.y(), to.x());
   }
-  const double turn =
-      options_.turn_price * std::abs(std::remainder(heading - pose.yaw, 2.0 * M_PI));
-  if (!options_.rule) path.length += turn;
-  path.time += turn / options_.cost_to_go.v_max;
+  const double turn = options_.turn_time * std::abs(std::remainder(heading - pose.yaw, 2.0 * M_PI));
+  path.cost += turn;
+  path.time += turn;
 }
 
 // Whether no frontier to which the path is longer than `limit` can be a leading candidate. No path
@@ -261,16 +261,18 @@ bool FrontierPlanner::nothing_farther_leads(const Eigen::Vector2d& robot,
     pause();
     const Frontier& f = frontiers[k];
     if (f.area < options_.least_area) continue;
-    double path = path_to_[k].length;
-    const bool searched = path <= limit;
+    double cost = path_to_[k].cost;
+    const bool searched = path_to_[k].length <= limit;
     if (!searched) {
       double straight = kInfinity;
       for (const Cell c : f.cells) {
         straight = std::min(straight, (traversability_.frame().center(c) - robot).squaredNorm());
       }
-      path = std::max(limit, std::sqrt(straight) - options_.frontiers.near_distance);
+      cost = std::max(limit, std::sqrt(straight) - options_.frontiers.near_distance) /
+                 options_.cost_to_go.v_max +
+             options_.observation_time;
     }
-    all.push_back({searched ? static_cast<int>(k) : -1, f.area, path, 0.0, f.confidence, 0.0});
+    all.push_back({.frontier = searched ? static_cast<int>(k) : -1, .area = f.area, .cost = cost});
   }
   all = leading_candidates(std::move(all), options_.order, pause);
   return !all.empty() &&
@@ -287,7 +289,7 @@ int FrontierPlanner::choose(const std::vector<Frontier>& frontiers, std::optiona
     const Path& path = path_to_[k];
     if (f.area < options_.least_area || !(path.length < kInfinity)) continue;
     const auto counted = static_cast<double>(f.cells.size()) - f.ignored_cells;
-    candidates.push_back({static_cast<int>(k), f.area, path.length, path.time, f.confidence,
+    candidates.push_back({static_cast<int>(k), f.area, path.cost, path.time, path.length,
                           counted * traversability_.frame().resolution});
   }
   if (candidates.empty()) return -1;
@@ -354,7 +356,7 @@ int FrontierPlanner::choose(const std::vector<Frontier>& frontiers, std::optiona
   };
   viewpoints.erase(std::unique(viewpoints.begin(), viewpoints.end(), same), viewpoints.end());
   const auto n = static_cast<Eigen::Index>(candidates.size());
-  Eigen::MatrixXd between(n, n);
+  Eigen::MatrixXd between(n, n);  // [m of path equivalent]
   for (Eigen::Index a = 0; a < n; ++a) {
     for (Eigen::Index b = 0; b < n; ++b) {
       between(a, b) = candidates[static_cast<std::size_t>(a)].path +
@@ -377,15 +379,14 @@ int FrontierPlanner::choose(const std::vector<Frontier>& frontiers, std::optiona
         return between.row(a).maxCoeff() <= length;
       };
       path_lengths_.flood(between_, path_to_[static_cast<std::size_t>(frontier)].viewpoint,
-                          kFarthestBetween * options_.order.horizon, all_found, prices.pause);
+                          kFarthestBetween * options_.order.patience * options_.cost_to_go.v_max,
+                          all_found, prices.pause);
     }
   }
+  between = between.array() / options_.cost_to_go.v_max + options_.observation_time;  // [s]
   const FrontierSequence best = best_sequence(candidates, between, options_.order);
   if (best.order.empty()) return -1;
-  if (!alone && rate(best, candidates, between, options_.cost_to_go.v_max,
-                     options_.observation_time) < options_.least_rate) {
-    return -1;
-  }
+  if (!alone && rate(best, candidates, between) < options_.least_rate) return -1;
   if (own) {
     const FrontierSequence kept =
         best_sequence(candidates, between, options_.order, index_of(own->frontier));
@@ -475,9 +476,10 @@ void FrontierPlanner::take_over(const GroundMap& ground, const Pose& pose, doubl
                          here.frontier >= 0 ? std::optional(here.sees) : std::nullopt, pause);
   }
   if (!activity.pursued) progress_.hold(stamp);
-  // A loss far from the target says nothing of it: other paths lead through there, too.
-  if (activity.got_lost && target_ &&
-      (frame.center(*target_) - p).norm() <= options_.utility.sensor_range) {
+  // A loss far from the target says nothing of it, for other paths lead through there, too; but a
+  // path on which it is lost again and again does not lead there.
+  const bool near = target_ && (frame.center(*target_) - p).norm() <= options_.utility.sensor_range;
+  if (activity.got_lost && target_ && (progress_.lost_again() || near)) {
     fail_visit(detector_.frontiers(), TargetChange::kLost, pause);
   }
   const bool anywhere = !options_.area && options_.traversability.zones == nullptr;
@@ -574,14 +576,13 @@ void FrontierPlanner::keep_or_change_target(const Pose& pose, double stamp, cons
 }
 
 // Where the target is, and whether the robot gets on towards it.
-void FrontierPlanner::follow_target(const Pose& pose, double stamp, GlobalPlan& global_plan,
+void FrontierPlanner::follow_target(double stamp, GlobalPlan& global_plan,
                                     const PausePoint& pause) {
   const GridFrame& frame = traversability_.frame();
-  const Eigen::Vector2d p = pose.position.head<2>();
   const double explored = traversability_.explored_area();
   FrontierFacts& facts = global_plan.facts;
   if (!field_.anchor_reached()) {
-    progress_.begin(stamp, p, explored, 0.0);
+    progress_.begin(stamp, explored);
     progress_.no_target();
     return;
   }
@@ -598,9 +599,11 @@ void FrontierPlanner::follow_target(const Pose& pose, double stamp, GlobalPlan& 
   facts.path_left = path_left();
   const std::optional<Cell> narrow = narrow_ahead();
   facts.narrow = narrow.has_value();
-  const double value = field_.value(field_.anchor());
-  progress_.begin(stamp, p, explored, value);
-  progress_.update(facts.changed == TargetChange::kNone, p, value, explored);
+  progress_.begin(stamp, explored);
+  progress_.update(
+      facts.changed == TargetChange::kNone, frame.center(field_.anchor()),
+      [&](const Eigen::Vector2d& at) { return field_.value(frame.cell(at.x(), at.y())); },
+      explored);
   target_ = source.sees;
   if (progress_.hopeless()) {
     progress_.given_up(explored);
@@ -631,7 +634,7 @@ std::shared_ptr<const GlobalPlan> FrontierPlanner::update(
   keep_or_change_target(pose, stamp,
                         prices(visibility_map, traversability_.frame().cell(p.x(), p.y()), pause),
                         *global_plan);
-  follow_target(pose, stamp, *global_plan, pause);
+  follow_target(stamp, *global_plan, pause);
 
   FrontierFacts& facts = global_plan->facts;
   facts.stalled_for = progress_.stalled_for();

@@ -44,7 +44,7 @@ struct FrontierPlannerOptions {
   double least_area = 0.1;        ///< [m^2] a frontier that promises less is not gone to
   double least_rate = 0.017;      ///< [m^2/s] nor are those that do for the time that they take
   double observation_time = 2.0;  ///< [s] of an observation, beside the path to it
-  double turn_price = 0.6;        ///< [m/rad] of way that turning counts as: v_max / omega_max
+  double turn_time = 1.0;         ///< [s/rad] of turning: 1 / omega_max
   double observation_length =
       2.0;  ///< [m] of travel that an observation counts as where features are few
 
@@ -55,13 +55,12 @@ struct FrontierPlannerOptions {
   /// [s] for which a place that could not be passed is impassable, if something else is left.
   double closing_time = 100.0;
 
-  /// Chooses the target instead of best_sequence(), asked as often; ways are without the turn at
-  /// their start then. Null: best_sequence() does.
+  /// Chooses the target instead of best_sequence(), asked as often. Null: best_sequence() does.
   TargetRule rule;
 };
 
 /// The knobs of all parts (models/knobs.h), in one group: all but those of describe_end().
-/// turn_price and area come from robot and task.
+/// turn_time and area come from robot and task.
 void describe(Knobs& knobs, FrontierPlannerOptions& options);
 /// Those that decide when nothing is left that is worth going to.
 void describe_end(Knobs& knobs, FrontierPlannerOptions& options);
@@ -108,16 +107,18 @@ struct GlobalPlan {
 /// (frontier_utility.h). It is a candidate if E_c >= least_area, a path leads to one of its
 /// viewpoints, and the path is worth it,
 ///
-///     E_c / (w_c / v_max + observation_time) >= least_rate,    w_c = path + turn_price |turn at
-///     its start|
+///     E_c / t_c >= least_rate,    t_c = path / v_max + turn_time |turn at its start| +
+///                                       observation_time
 ///
 /// The target is the first of the best sequence of candidates (frontier_order.h), if its beginning
 /// is worth its path, else of those that are each; and remains so until
 ///   seen          its area fell below `resolved` times what it was, or below least_area;
 ///   unreachable   no path leads there any more;
 ///   no progress   the robot did not get on towards it (ProgressMonitor): its confidence is
-///   lowered; lost          localization was lost within the sensor's range of it: likewise; better
-///   every `reconsider` seconds: another sequence is worth `commitment` more.
+///   lowered;
+///   lost          localization was lost within the sensor's range of it, or again without progress
+///   in between: likewise;
+///   better        every `reconsider` seconds: another sequence is worth `commitment` more.
 /// While there is none, it is asked for every reconsider / 2 seconds.
 /// The reason is FrontierFacts::changed. V(p) = D(p, target) / v_max, D by the eikonal equation
 /// (cost_to_go_field.h); with a feature visibility map, a metre travelled within 10 m of the robot
@@ -170,8 +171,9 @@ class FrontierPlanner {
  private:
   /// To a frontier.
   struct Path {
-    double length = std::numeric_limits<double>::infinity();  // [m of path equivalent], w
-    double time = std::numeric_limits<double>::infinity();    // [s] of going and looking there
+    double length = std::numeric_limits<double>::infinity();  // [m of path equivalent]
+    double cost = std::numeric_limits<double>::infinity();    // [s] as FrontierCandidate has it
+    double time = std::numeric_limits<double>::infinity();    // likewise
     Cell viewpoint;                                           // at its end
   };
   struct Closing {
@@ -191,8 +193,7 @@ class FrontierPlanner {
   bool set_goal(int frontier, Cell robot, const Prices& prices);
   void keep_or_change_target(const Pose& pose, double stamp, const Prices& prices,
                              GlobalPlan& global_plan);
-  void follow_target(const Pose& pose, double stamp, GlobalPlan& global_plan,
-                     const PausePoint& pause);
+  void follow_target(double stamp, GlobalPlan& global_plan, const PausePoint& pause);
   void close(Cell at, double stamp);
   void count_along_travel(const FeatureVisibilityMap& visibility_map, Cell robot,
                           const PausePoint& pause);

@@ -73,7 +73,7 @@ FrontierPlannerOptions frontier_planner_options_for(const RobotDescription& robo
   options.traversability.top_speed = robot.model->max_speed();
   options.area = parameters.task.area;
   options.cost_to_go.v_max = robot.model->max_speed();
-  options.turn_price = robot.model->max_speed() / robot.model->max_yaw_rate();
+  options.turn_time = 1.0 / robot.model->max_yaw_rate();
   options.cost_to_go.features_required = parameters.features.N_req;
   return options;
 }

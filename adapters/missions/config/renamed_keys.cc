@@ -34,7 +34,6 @@ const std::vector<RenamedKey>& renamed_keys() {
       {"planner.frontiers.look_interval", "planner.frontiers.observation_interval"},
       {"planner.frontiers.look_margin", "planner.frontiers.view_margin"},
       {"planner.frontiers.least_trust", "planner.frontiers.least_confidence"},
-      {"planner.frontiers.every_look", "planner.frontiers.every_observation"},
       {"planner.frontiers.look_time", "planner.frontiers.observation_time"},
       {"planner.frontiers.look_length", "planner.frontiers.observation_length"},
       {"drive.following.more_way", "drive.following.more_distance"},
@@ -56,6 +55,10 @@ const std::vector<GoneKey>& gone_keys() {
       {"perception.odometry.corners.min_strength", "3",
        "perception.odometry.corners.min_strength_over_noise is the same over the variance of the "
        "image's noise"},
+      {"planner.frontiers.horizon", "20",
+       "planner.frontiers.patience is the same in seconds, so that turning and observing count"},
+      {"planner.frontiers.every_observation", "0.3",
+       "planner.frontiers.observation_time says what an observation costs"},
   };
   return keys;
 }

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/behaviour/monitors/progress_monitor.h"
 
+#include <cmath>
+#include <utility>
+
 #include "models/knobs.h"
 
 namespace prospect {
@@ -9,16 +12,11 @@ ProgressMonitor::ProgressMonitor(const Options& options) : options_(options) {
   check_knobs("progress", options);
 }
 
-void ProgressMonitor::begin(double stamp, const Eigen::Vector2d& position, double explored,
-                            double cost_to_go) {
-  const bool first = !progress_at_.has_value();
+void ProgressMonitor::begin(double stamp, double explored) {
+  if (!progress_at_) explored_ = explored;
   // A clock that jumps back must not freeze it.
-  if (first || stamp < *progress_at_) progress_at_ = stamp;
+  if (!progress_at_ || stamp < *progress_at_) progress_at_ = stamp;
   stamp_ = stamp;
-  if (!first) return;
-  explored_ = explored;
-  least_ = cost_to_go;
-  position_ = position;
 }
 
 void ProgressMonitor::hold(double stamp) {
@@ -33,23 +31,35 @@ void ProgressMonitor::no_target() {
   stalled_for_ = 0.0;
 }
 
-void ProgressMonitor::update(bool same, const Eigen::Vector2d& position, double cost_to_go,
-                             double explored) {
+void ProgressMonitor::got_on() {
+  progress_at_ = stamp_;
+  lost_ = false;
+}
+
+bool ProgressMonitor::lost_again() { return std::exchange(lost_, true); }
+
+void ProgressMonitor::follow(const std::function<Eigen::Vector2d(const Eigen::Vector2d&)>& now) {
+  if (nearest_) nearest_ = now(*nearest_);
+}
+
+void ProgressMonitor::update(bool same, const Eigen::Vector2d& position,
+                             const CostToGoAt& cost_to_go, double explored) {
   if (!same) {
     stalled_ = false;
-    least_ = cost_to_go;
+    lost_ = false;
+    nearest_.reset();
   }
-  if (cost_to_go > least_ + 2.0 * options_.distance) least_ = cost_to_go;
-  if (cost_to_go <= least_ - options_.distance &&
-      (position - position_).norm() >= options_.distance) {
-    least_ = cost_to_go;
-    progress_at_ = stamp_;
-    position_ = position;
+  const double nearest = nearest_ ? cost_to_go(*nearest_) : 0.0;
+  if (!nearest_ || !std::isfinite(nearest)) {
+    nearest_ = position;
+  } else if (cost_to_go(position) <= nearest - options_.distance) {
+    nearest_ = position;
+    got_on();
   }
   if (explored - explored_ >= options_.area) {
     explored_ = explored;
-    progress_at_ = stamp_;
     stalled_ = false;
+    got_on();
   }
   stalled_for_ = stamp_ - *progress_at_;
   if (stalled_for_ >= options_.stalled_after - 1e-9) {

@@ -3,18 +3,28 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <limits>
 #include <stdexcept>
+#include <vector>
 
 namespace prospect::progress_monitor_test {
 namespace {
 
 const Eigen::Vector2d kPlace(1.0, 2.0);
 
+// V along x, to a target at x = 9: on a straight path, `longer` than that.
+ProgressMonitor::CostToGoAt straight(double longer = 0.0) {
+  return [longer](const Eigen::Vector2d& p) { return 9.0 - p.x() + longer; };
+}
+
+Eigen::Vector2d at(double x) { return {x, 2.0}; }
+
 TEST(ProgressMonitor, StallsAndBecomesHopelessOfWhoStands) {
   ProgressMonitor monitor({});
   for (double t = 0.0; t <= 9.0; t += 0.5) {
-    monitor.begin(t, kPlace, 10.0, 3.0);
-    monitor.update(true, kPlace, 3.0, 10.0);
+    monitor.begin(t, 10.0);
+    monitor.update(true, kPlace, straight(), 10.0);
     EXPECT_EQ(monitor.stalled_for(), t);
     EXPECT_EQ(monitor.stalled(), t >= 3.0) << t;
     EXPECT_EQ(monitor.hopeless(), t >= 8.0) << t;
@@ -29,29 +39,29 @@ TEST(ProgressMonitor, IsStalledUntilSomethingNewIsSeenOrTheTargetIsAnother) {
   const auto stalled = [] {
     ProgressMonitor monitor({});
     for (const double t : {0.0, 3.0}) {
-      monitor.begin(t, kPlace, 10.0, 3.0);
-      monitor.update(true, kPlace, 3.0, 10.0);
+      monitor.begin(t, 10.0);
+      monitor.update(true, at(1.0), straight(), 10.0);
     }
     EXPECT_TRUE(monitor.stalled());
-    monitor.begin(3.5, kPlace, 10.0, 2.5);
+    monitor.begin(3.5, 10.0);
     return monitor;
   };
   ProgressMonitor nearer = stalled();
-  nearer.update(true, kPlace + Eigen::Vector2d(0.3, 0.0), 2.5, 10.0);
+  nearer.update(true, at(1.3), straight(), 10.0);
   EXPECT_EQ(nearer.stalled_for(), 0.0);
   EXPECT_TRUE(nearer.stalled());
   // ... until it has got away from there.
-  nearer.begin(4.0, kPlace, 10.0, 2.0);
-  nearer.update(true, kPlace + Eigen::Vector2d(0.9, 0.0), 2.0, 10.0);
+  nearer.begin(4.0, 10.0);
+  nearer.update(true, at(1.9), straight(), 10.0);
   EXPECT_TRUE(nearer.stalled());
-  nearer.begin(4.5, kPlace, 10.0, 1.5);
-  nearer.update(true, kPlace + Eigen::Vector2d(1.1, 0.0), 1.5, 10.0);
+  nearer.begin(4.5, 10.0);
+  nearer.update(true, at(2.1), straight(), 10.0);
   EXPECT_FALSE(nearer.stalled());
   ProgressMonitor seen = stalled();
-  seen.update(true, kPlace, 3.0, 10.2);
+  seen.update(true, at(1.0), straight(), 10.2);
   EXPECT_FALSE(seen.stalled());
   ProgressMonitor other = stalled();
-  other.update(false, kPlace, 3.0, 10.0);
+  other.update(false, at(1.0), straight(), 10.0);
   EXPECT_TRUE(other.stalled()) << "the clock runs on: targets that alternate are no progress";
   ProgressMonitor dropped = stalled();
   dropped.target_dropped();
@@ -62,63 +72,149 @@ TEST(ProgressMonitor, IsStalledUntilSomethingNewIsSeenOrTheTargetIsAnother) {
   EXPECT_EQ(none.stalled_for(), 0.0);
 }
 
-// A door that noise opens and closes moves the cost-to-go up and down for ever.
-TEST(ProgressMonitor, AFallOfTheCostToGoCountsOnlyIfTheRobotMoved) {
-  ProgressMonitor stands({}), moves({});
-  for (int n = 0; n <= 6; ++n) {
-    const Eigen::Vector2d there = kPlace + Eigen::Vector2d(0.25 * n, 0.0);
-    stands.begin(0.5 * n, kPlace, 10.0, 9.0);
-    moves.begin(0.5 * n, there, 10.0, 9.0);
-    stands.update(true, kPlace, n % 2 == 0 ? 9.0 : 6.0, 10.0);
-    moves.update(true, there, 9.0 - 0.25 * n, 10.0);
+// One visit, second by second: where the robot is, how much longer the path is than a straight one,
+// what it does, and for how long it has made no progress by then.
+struct Second {
+  double x, longer;  // [m]
+  enum { kPursues, kRetreats, kOther } does;
+  double stalled_for;  // [s]
+};
+
+void expect(const std::vector<Second>& seconds) {
+  ProgressMonitor monitor({});
+  monitor.begin(0.0, 10.0);
+  monitor.update(false, at(seconds.front().x), straight(seconds.front().longer), 10.0);
+  double t = 0.0;
+  for (const Second& s : seconds) {
+    t += 1.0;
+    if (s.does == Second::kRetreats) monitor.hold(t);
+    monitor.begin(t, 10.0);
+    monitor.update(s.does != Second::kOther, at(s.x), straight(s.longer), 10.0);
+    EXPECT_EQ(monitor.stalled_for(), s.stalled_for) << "second " << t;
   }
-  EXPECT_TRUE(stands.stalled());
-  EXPECT_EQ(moves.stalled_for(), 0.0);
 }
 
-// What another target costs, or the same one once a door has closed, is where progress begins anew.
-TEST(ProgressMonitor, ProgressIsAgainstWhatTheWayCostsNow) {
-  struct Row {
-    bool same;            // target, at 1 s
-    double then, at_end;  // [s] of cost-to-go at 1 s and 2 s; 8 at the beginning
-    double stalled_for;
+constexpr auto kPursues = Second::kPursues;
+constexpr auto kRetreats = Second::kRetreats;
+
+// Each retreat takes it back to x = 0; what it regains is no progress, however often.
+TEST(ProgressMonitor, WhatARetreatGaveAwayAndIsRegainedIsNoProgress) {
+  expect({{0.0, 0.0, kPursues, 1.0},
+          {2.0, 0.0, kPursues, 0.0},
+          {3.0, 0.0, kPursues, 0.0},
+          {1.0, 0.0, kRetreats, 0.0},
+          {0.0, 0.0, kRetreats, 0.0},
+          {1.5, 0.0, kPursues, 1.0},
+          {2.9, 0.0, kPursues, 2.0},
+          {1.0, 0.0, kRetreats, 2.0},
+          {0.0, 0.0, kRetreats, 2.0},
+          {1.5, 0.0, kPursues, 3.0},
+          {2.9, 0.0, kPursues, 4.0},
+          {3.1, 0.0, kPursues, 5.0},
+          {3.3, 0.0, kPursues, 0.0}});
+}
+
+// A robot that circles before a door gives its own way away.
+TEST(ProgressMonitor, ToAndFroIsNoProgress) {
+  expect({{2.0, 0.0, kPursues, 1.0},
+          {3.0, 0.0, kPursues, 0.0},
+          {2.0, 0.0, kPursues, 1.0},
+          {3.0, 0.0, kPursues, 2.0},
+          {2.0, 0.0, kPursues, 3.0},
+          {3.0, 0.0, kPursues, 4.0}});
+}
+
+// A door that turns out closed: progress is against what the way round costs.
+TEST(ProgressMonitor, OnAPathThatHasBecomeLongerItIsAgainstWhatThatCosts) {
+  expect({{2.0, 0.0, kPursues, 1.0},
+          {3.0, 0.0, kPursues, 0.0},
+          {3.0, 20.0, kPursues, 1.0},
+          {3.5, 20.0, kPursues, 0.0},
+          {3.5, 0.0, kPursues, 1.0},
+          {3.6, 0.0, kPursues, 2.0},
+          {3.8, 0.0, kPursues, 0.0}});
+}
+
+// A door that noise opens and closes moves the cost-to-go up and down for ever.
+TEST(ProgressMonitor, AFallOfTheCostToGoUnderARobotThatStandsIsNone) {
+  expect({{2.0, 3.0, kPursues, 1.0},
+          {2.0, 0.0, kPursues, 2.0},
+          {2.0, 3.0, kPursues, 3.0},
+          {2.0, 0.0, kPursues, 4.0}});
+}
+
+TEST(ProgressMonitor, AnotherTargetIsAnotherVisitOnTheSameClock) {
+  expect({{3.0, 0.0, kPursues, 1.0},
+          {1.0, 0.0, Second::kOther, 2.0},
+          {1.1, 0.0, kPursues, 3.0},
+          {1.3, 0.0, kPursues, 0.0}});
+}
+
+// Where the nearest place is a wall by now there is nothing to compare with, which is no progress.
+TEST(ProgressMonitor, APlaceOfWhichTheCostToGoSaysNothingIsForgotten) {
+  ProgressMonitor monitor({});
+  const auto step = [&](double t, double x, double wall) {
+    monitor.begin(t, 10.0);
+    monitor.update(
+        true, at(x),
+        [&](const Eigen::Vector2d& p) {
+          return p.x() == wall ? std::numeric_limits<double>::infinity() : 9.0 - p.x();
+        },
+        10.0);
+    return monitor.stalled_for();
   };
-  for (const Row& row :
-       {Row{false, 3.0, 3.0, 2.0}, Row{false, 3.0, 2.0, 0.0}, Row{false, 30.0, 29.0, 0.0},
-        Row{true, 30.0, 29.0, 0.0}, Row{true, 8.1, 7.9, 2.0}}) {
-    ProgressMonitor monitor({});
-    const auto step = [&](double t, double x, bool same, double cost) {
-      const Eigen::Vector2d place(x, 0.0);
-      monitor.begin(t, place, 10.0, cost);
-      monitor.update(same, place, cost, 10.0);
-    };
-    step(0.0, 0.0, true, 8.0);
-    step(1.0, 0.5, row.same, row.then);
-    step(2.0, 1.0, true, row.at_end);
-    EXPECT_EQ(monitor.stalled_for(), row.stalled_for) << row.then << " to " << row.at_end;
-  }
+  EXPECT_EQ(step(0.0, 3.0, 0.0), 0.0);
+  EXPECT_EQ(step(1.0, 1.0, 3.0), 1.0);
+  EXPECT_EQ(step(2.0, 1.1, 0.0), 2.0);
+  EXPECT_EQ(step(3.0, 1.3, 0.0), 0.0);
+  // Places have moved: the robot has not.
+  monitor.follow([](const Eigen::Vector2d& p) { return Eigen::Vector2d(p.x() - 5.0, p.y()); });
+  EXPECT_EQ(step(4.0, -3.7, 0.0), 1.0);
+}
+
+TEST(ProgressMonitor, AVisitThatIsLostTwiceWithoutProgressInBetweenHasFailed) {
+  ProgressMonitor monitor({});
+  double t = 0.0;
+  const auto step = [&](bool same, double x, double explored) {
+    monitor.begin(t += 1.0, explored);
+    monitor.update(same, at(x), straight(), explored);
+  };
+  step(false, 0.0, 10.0);
+  EXPECT_FALSE(monitor.lost_again());
+  EXPECT_TRUE(monitor.lost_again());
+  step(true, 0.1, 10.0);
+  EXPECT_TRUE(monitor.lost_again());
+  step(true, 0.5, 10.0);
+  EXPECT_FALSE(monitor.lost_again()) << "nearer";
+  step(true, 0.5, 11.0);
+  EXPECT_FALSE(monitor.lost_again()) << "seen";
+  step(false, 0.5, 11.0);
+  EXPECT_FALSE(monitor.lost_again()) << "another";
+}
+
+TEST(ProgressMonitor, EnoughExploredIsProgress) {
   ProgressMonitor just_enough({.area = 0.5});
-  just_enough.begin(0.0, kPlace, 10.0, 3.0);
-  just_enough.begin(1.0, kPlace, 10.0, 3.0);
-  just_enough.update(true, kPlace, 3.0, 10.5);
+  just_enough.begin(0.0, 10.0);
+  just_enough.begin(1.0, 10.0);
+  just_enough.update(true, kPlace, straight(), 10.5);
   EXPECT_EQ(just_enough.stalled_for(), 0.0);
 }
 
 TEST(ProgressMonitor, TimeWithSomethingElseToDoDoesNotCount) {
   ProgressMonitor monitor({});
   monitor.hold(5.0);
-  monitor.begin(0.0, kPlace, 10.0, 3.0);
-  monitor.update(true, kPlace, 3.0, 10.0);
+  monitor.begin(0.0, 10.0);
+  monitor.update(true, kPlace, straight(), 10.0);
   monitor.hold(20.0);
-  monitor.begin(20.0, kPlace, 10.0, 3.0);
-  monitor.update(true, kPlace, 3.0, 10.0);
+  monitor.begin(20.0, 10.0);
+  monitor.update(true, kPlace, straight(), 10.0);
   EXPECT_EQ(monitor.stalled_for(), 0.0);
-  monitor.begin(22.0, kPlace, 10.0, 3.0);
-  monitor.update(true, kPlace, 3.0, 10.0);
+  monitor.begin(22.0, 10.0);
+  monitor.update(true, kPlace, straight(), 10.0);
   EXPECT_EQ(monitor.stalled_for(), 2.0);
   // A clock that jumps back does not freeze it.
-  monitor.begin(1.0, kPlace, 10.0, 3.0);
-  monitor.update(true, kPlace, 3.0, 10.0);
+  monitor.begin(1.0, 10.0);
+  monitor.update(true, kPlace, straight(), 10.0);
   EXPECT_EQ(monitor.stalled_for(), 0.0);
 }
 

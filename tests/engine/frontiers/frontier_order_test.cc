@@ -27,7 +27,7 @@ Eigen::MatrixXd on_a_line(const std::vector<double>& x) {
 
 TEST(FrontierOrder, ARoomComesBeforeASliverUnlessTheSliverLiesOnTheWay) {
   const FrontierOrderOptions options;
-  // At -2 m a sliver, at 5 m a room; then the sliver at +2 m.
+  // At -2 s a sliver, at 5 s a room; then the sliver at +2 s.
   FrontierSequence s =
       best_sequence({{0, 0.3, 2.0}, {1, 8.0, 5.0}}, on_a_line({-2.0, 5.0}), options);
   EXPECT_EQ(s.order, (std::vector<int>{1, 0}));
@@ -66,13 +66,13 @@ TEST(FrontierOrder, IsTheBestOfAllSequences) {
       std::iota(order.begin(), order.end(), 0);
       do {
         if (first >= 0 && order[0] != first) continue;
-        double path = 0.0, value = 0.0;
+        double time = 0.0, value = 0.0;
         for (int n = 0; n < 4; ++n) {
           const auto k = static_cast<std::size_t>(order[static_cast<std::size_t>(n)]);
-          path += n == 0 ? c[k].path
+          time += n == 0 ? c[k].cost
                          : d(order[static_cast<std::size_t>(n - 1)],
                              order[static_cast<std::size_t>(n)]);
-          value += (0.3 + c[k].area) * std::exp(-path / 20.0);
+          value += c[k].area * std::exp(-time / 20.0);
         }
         best = std::max(best, value);
       } while (std::next_permutation(order.begin(), order.end()));
@@ -88,12 +88,27 @@ TEST(FrontierOrder, IsTheBestOfAllSequences) {
 TEST(FrontierOrder, TheRateIsThatOfItsBestBeginning) {
   const std::vector<FrontierCandidate> c{
       {0, 1.0, 6.0, 12.0}, {1, 1.0, 9.0, 17.0}, {2, 0.1, 99.0, 167.0}};
-  const Eigen::MatrixXd d = on_a_line({6.0, 6.6, 60.0});
-  EXPECT_EQ(rate({}, c, d, 0.6, 2.0), 0.0);
-  EXPECT_NEAR(rate({{0}, 0.0}, c, d, 0.6, 2.0), 1.0 / 12.0, 1e-12);
-  EXPECT_NEAR(rate({{0, 1}, 0.0}, c, d, 0.6, 2.0), 2.0 / 15.0, 1e-12)
-      << "together they are worth it";
-  EXPECT_NEAR(rate({{0, 1, 2}, 0.0}, c, d, 0.6, 2.0), 2.0 / 15.0, 1e-12) << "and need not go on";
+  const Eigen::MatrixXd d = on_a_line({0.0, 3.0, 100.0});
+  EXPECT_EQ(rate({}, c, d), 0.0);
+  EXPECT_NEAR(rate({{0}, 0.0}, c, d), 1.0 / 12.0, 1e-12);
+  EXPECT_NEAR(rate({{0, 1}, 0.0}, c, d), 2.0 / 15.0, 1e-12) << "together they are worth it";
+  EXPECT_NEAR(rate({{0, 1, 2}, 0.0}, c, d), 2.0 / 15.0, 1e-12) << "and need not go on";
+}
+
+// Each observation takes its time: many poor ones together do not come before a rich one behind
+// them, though none of them is off the path.
+TEST(FrontierOrder, SliversOnTheWayToARoomAreLeftOnceTheyCostMoreThanTheyShow) {
+  const FrontierOrderOptions options;
+  for (const double observation : {0.2, 2.0}) {
+    std::vector<FrontierCandidate> c;
+    std::vector<double> x;
+    for (int k = 0; k < 5; ++k) {
+      x.push_back(1.0 + k);
+      c.push_back({k, k < 4 ? 0.3 : 8.0, x.back() + observation});
+    }
+    const Eigen::MatrixXd d = on_a_line(x).array() + observation;
+    EXPECT_EQ(best_sequence(c, d, options).order.front(), observation < 1.0 ? 0 : 4);
+  }
 }
 
 TEST(FrontierOrder, SliversDoNotCrowdOutARoomFartherOff) {

@@ -99,14 +99,12 @@ TEST(Configuration, PartsOfThePredictionCanBeLeftOut) {
 
 TEST(Configuration, UtilityAndOrderOfFrontiersAndTheEndOfAMission) {
   const Configuration c = read(
-      "planner: {frontiers: {depth: 1.5, opening: 0.3, horizon: 10, every_observation: 1, "
-      "commitment: "
-      "0.5, narrow_factor: 50}}\nmission: {end: {least_area: 0.5, least_rate: 0.1}}");
+      "planner: {frontiers: {depth: 1.5, opening: 0.3, patience: 10, commitment: 0.5, "
+      "narrow_factor: 50}}\nmission: {end: {least_area: 0.5, least_rate: 0.1}}");
   const FrontierPlannerOptions& g = c.planner.frontier_planner;
   EXPECT_EQ(g.utility.depth, 1.5);
   EXPECT_EQ(g.utility.opening, 0.3);
-  EXPECT_EQ(g.order.horizon, 10.0);
-  EXPECT_EQ(g.order.every_observation, 1.0);
+  EXPECT_EQ(g.order.patience, 10.0);
   EXPECT_EQ(g.commitment, 0.5);
   EXPECT_EQ(g.traversability.narrow_factor, 50.0);
   EXPECT_EQ(g.least_area, 0.5);

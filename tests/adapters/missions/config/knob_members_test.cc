@@ -156,8 +156,8 @@ TEST(KnobMembers, EveryNumberAndSwitchIsAKnob) {
   }
   {
     FrontierOrderOptions o;
-    [[maybe_unused]] auto& [horizon, every_observation, candidates, sequence_length] = o;
-    EXPECT_KNOBS(o, horizon, every_observation, candidates, sequence_length);
+    [[maybe_unused]] auto& [patience, candidates, sequence_length] = o;
+    EXPECT_KNOBS(o, patience, candidates, sequence_length);
   }
   {
     CostToGoOptions o;
@@ -168,9 +168,9 @@ TEST(KnobMembers, EveryNumberAndSwitchIsAKnob) {
   {
     FrontierPlannerOptions o;
     [[maybe_unused]] auto& [traversability, frontiers, worth, order, cost_to_go, area, progress,
-                            least_area, least_rate, observation_time, turn_price,
-                            observation_length, reconsider, commitment, resolved, target_radius,
-                            closing_time, rule] = o;
+                            least_area, least_rate, observation_time, turn_time, observation_length,
+                            reconsider, commitment, resolved, target_radius, closing_time, rule] =
+        o;
     EXPECT_KNOBS(o, least_area, least_rate, observation_time, observation_length, reconsider,
                  commitment, resolved, target_radius, closing_time);
   }
