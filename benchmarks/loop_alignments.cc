@@ -1,8 +1,9 @@
-// loop_alignments RUN [--seed S] [--loops FILE] [--json]: what is claimed of the loops of a map that
-// is kept straight, against the truth. RUN: the folder of a mission of `prospect explore` in the
-// fidelity `model`. Its true path is driven again, straight from step to step, by the same robot,
-// whose odometry errs as drawn by the seed: nothing is planned, so the path does not depend on what
-// is corrected. Each anchor's true pose is known, and so the error of each measurement between two:
+// loop_alignments RUN [--seed S] [--loops FILE] [--json]: what is claimed of the loops of a map
+// that is kept straight, against the truth. RUN: the folder of a mission of `prospect explore` in
+// the fidelity `model`. Its true path is driven again, straight from step to step, by the same
+// robot, whose odometry errs as drawn by the seed: nothing is planned, so the path does not depend
+// on what is corrected. Each anchor's true pose is known, and so the error of each measurement
+// between two:
 //   e = log(measured^-1 true)   (x, y, yaw), in the frame of the newer one.
 // Of odometry from anchor to anchor and of all loops that were found: the count, the mean of
 // e^T C^-1 e / 3 (NEES) with the claimed covariance C, its median over the chi-square's, and the
@@ -18,9 +19,9 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <memory>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -30,7 +31,7 @@
 #include "adapters/missions/replay/recorded_run.h"
 #include "adapters/missions/run/exploration_run.h"
 #include "adapters/robots/simulator/feature_sensors.h"
-#include "adapters/robots/simulator/known_free.h"
+#include "adapters/views/report/step_table.h"
 #include "benchmarks/guarded_main.h"
 #include "benchmarks/program_options.h"
 #include "engine/support/quantile.h"
@@ -51,29 +52,23 @@ struct PathStep {
   Pose pose;
 };
 
-std::vector<std::string> cells_of(const std::string& row) {
-  std::vector<std::string> cells;
-  std::istringstream text(row);
-  for (std::string cell; std::getline(text, cell, ',');) cells.push_back(cell);
-  return cells;
-}
-
-std::vector<PathStep> path_of(const RecordedRun& run, double z) {
-  const std::vector<std::string> names = cells_of(run.header);
-  std::vector<std::size_t> columns;
-  for (const char* name : {"time", "true_x", "true_y", "true_yaw"}) {
-    const auto found = std::find(names.begin(), names.end(), name);
-    if (found == names.end()) fail(run.source, std::string("no column ") + name);
-    columns.push_back(static_cast<std::size_t>(found - names.begin()));
-  }
+/// z [m]: of the robot's origin.
+std::vector<PathStep> path_of(const std::string& folder, double z) {
+  const std::string file = (std::filesystem::path(folder) / "steps.csv").string();
+  const StepTable table = StepTable::read(file);
+  const std::vector<double> time = table.numbers("time"), x = table.numbers("true_x"),
+                            y = table.numbers("true_y"), yaw = table.numbers("true_yaw");
   std::vector<PathStep> path;
-  for (const std::string& row : run.rows) {
-    const std::vector<std::string> cells = cells_of(row);
-    double v[4];
-    for (std::size_t n = 0; n < 4; ++n) v[n] = std::stod(cells.at(columns[n]));
-    path.push_back({v[0], {{v[1], v[2], z}, v[3]}});
+  for (std::size_t n = 0; n < table.rows(); ++n) {
+    if (!std::isfinite(time[n] + x[n] + y[n] + yaw[n])) {
+      fail(table.row_name(n), "no time or no true pose; expected numbers");
+    }
+    if (!path.empty() && time[n] <= path.back().time) {
+      fail(table.row_name(n), "the time does not increase; expected one after another");
+    }
+    path.push_back({time[n], {{x[n], y[n], z}, yaw[n]}});
   }
-  if (path.size() < 2) fail(run.source, "no path; expected two steps at least");
+  if (path.size() < 2) fail(file, "no path; expected two steps at least");
   return path;
 }
 
@@ -129,10 +124,11 @@ class Consistency {
     }
     void print(const char* name, double scale) const {
       const double n = std::max(1, count);
-      std::printf("\"%s\": {\"count\": %d, \"not\": %d, \"rms\": %.2f, \"sigma\": %.2f, "
-                  "\"nees\": %.2f}",
-                  name, count, unmeasured, scale * std::sqrt(e2 / n), scale * std::sqrt(s2 / n),
-                  ratio2 / n);
+      std::printf(
+          "\"%s\": {\"count\": %d, \"not\": %d, \"rms\": %.2f, \"sigma\": %.2f, "
+          "\"nees\": %.2f}",
+          name, count, unmeasured, scale * std::sqrt(e2 / n), scale * std::sqrt(s2 / n),
+          ratio2 / n);
     }
   };
   std::vector<double> nees_;
@@ -172,7 +168,7 @@ int main_program(int argc, char** argv) {
   options.loops = true;
   PerceptionOptions perception = configuration.perception;
   perception.mapping = mapping_options(options, perception.mapping);
-  const std::vector<PathStep> path = path_of(run, options.base_height);
+  const std::vector<PathStep> path = path_of(request.run, options.base_height);
   const Pose start = path.front().pose;
   FeatureSensors sensors(world, options, perception, start, {});
   SeenArea seen(world, perception.mapping.slice);
@@ -225,8 +221,7 @@ int main_program(int argc, char** argv) {
   for (std::size_t n = 0; n < loops.loops().size(); ++n) {
     const MapLoops::Loop& loop = loops.loops()[n];
     const PlanarMove is = between(loop.older, loop.newer);
-    const Eigen::Vector3d e = error_of(loop.measured.way, is),
-                          g = error_of(loop.expected.way, is);
+    const Eigen::Vector3d e = error_of(loop.measured.way, is), g = error_of(loop.expected.way, is);
     const bool in_use = loops.state(n) == LoopState::kUsed;
     found.add(e, loop.measured.covariance);
     guesses.add(g, loop.expected.covariance);
@@ -248,10 +243,10 @@ int main_program(int argc, char** argv) {
   found.print("loops");
   std::printf(", ");
   used.print("used");
-  std::printf(", \"rms_drawn_m\": %.4f, \"rms_m\": %.4f, \"end_drawn_m\": %.4f, \"end_m\": %.4f, "
-              "\"losses\": %d, \"seconds\": %.1f}\n",
-              drawn.root(), corrected.root(), drawn.last, corrected.last, sensors.losses(),
-              seconds);
+  std::printf(
+      ", \"rms_drawn_m\": %.4f, \"rms_m\": %.4f, \"end_drawn_m\": %.4f, \"end_m\": %.4f, "
+      "\"losses\": %d, \"seconds\": %.1f}\n",
+      drawn.root(), corrected.root(), drawn.last, corrected.last, sensors.losses(), seconds);
   return 0;
 }
 
