@@ -30,14 +30,13 @@ Eigen::Isometry3d in_space(const PlanarMove& move) {
   return T;
 }
 
-/// covariance: of (x, y, yaw) in the frame of the second pose.
-RelativePose relative(const PlanarMove& between, const Eigen::Matrix3d& covariance) {
+RelativePose relative(const AnchorStep& step) {
   constexpr double kSure = 1e6;  // of directions in which planar poses do not differ
   RelativePose measured;
-  measured.T = in_space(between);
+  measured.T = in_space(step.way);
   measured.information.setZero();
   measured.information.diagonal().setConstant(kSure);
-  const Eigen::Matrix3d inverse = covariance.inverse();
+  const Eigen::Matrix3d inverse = step.covariance.inverse();
   const Eigen::Vector3i planar(0, 1, 5);
   measured.information(planar, planar) = 0.5 * (inverse + inverse.transpose());
   return measured;
@@ -47,15 +46,6 @@ Eigen::Matrix3d turned(const Eigen::Matrix3d& covariance, double yaw) {
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
   R.topLeftCorner<2, 2>() = Eigen::Rotation2Dd(yaw).toRotationMatrix();
   return R * covariance * R.transpose();
-}
-
-/// Of what odometry adds from one anchor to another, in the frame of the other.
-Eigen::Matrix3d added_between(const MapAnchor& from, const MapAnchor& to) {
-  const Eigen::Vector2d way = (to.origin.position - from.origin.position).head<2>();
-  Eigen::Matrix3d Q = added(from.covariance, way, to.covariance);
-  Q.diagonal() += Eigen::Vector3d(kLeastPosition * kLeastPosition, kLeastPosition * kLeastPosition,
-                                  kLeastYaw * kLeastYaw);
-  return turned(Q, -to.origin.yaw);
 }
 
 double least_distance(const MapAnchor& a, const PlanarMove& a_to, const MapAnchor& b,
@@ -68,6 +58,15 @@ double least_distance(const MapAnchor& a, const PlanarMove& a_to, const MapAncho
 }
 
 }  // namespace
+
+AnchorStep step_between(const MapAnchor& from, const MapAnchor& to) {
+  const Eigen::Vector2d way = (to.origin.position - from.origin.position).head<2>();
+  Eigen::Matrix3d Q = added(from.covariance, way, to.covariance);
+  Q.diagonal() += Eigen::Vector3d(kLeastPosition * kLeastPosition, kLeastPosition * kLeastPosition,
+                                  kLeastYaw * kLeastYaw);
+  return {move_of(from.origin).inverse() * to.jump * move_of(to.origin),
+          turned(Q, -to.origin.yaw)};
+}
 
 std::size_t MapLoops::used() const {
   return static_cast<std::size_t>(
@@ -94,8 +93,7 @@ void MapLoops::extend(const AnchoredMap& map) {
   while (graph_.keyframes() < anchors.size()) {
     const MapAnchor& to = anchors[graph_.keyframes()];
     const MapAnchor& from = anchors[static_cast<std::size_t>(to.parent)];
-    const PlanarMove way = move_of(from.origin).inverse() * to.jump * move_of(to.origin);
-    (void)graph_.add_keyframe(to.id, from.id, relative(way, added_between(from, to)));
+    (void)graph_.add_keyframe(to.id, from.id, relative(step_between(from, to)));
     if (aligns_) closed_.push_back(to.id - 1);
   }
 }
@@ -135,11 +133,16 @@ void MapLoops::align_next(const AnchoredMap& map) {
   const auto found =
       align(surfaces_[static_cast<std::size_t>(other)], *walls_, guess, spread, centre);
   if (!found) return;
-  const PlanarMove between = (found->move * b_at).inverse() * a_at;
-  const GraphInput taken =
-      graph_.add_loop(other, anchor_, relative(between, turned(found->covariance, -a.origin.yaw)));
-  if (taken != GraphInput::kTaken) return;
-  shared_.push_back({other, anchor_, found->overlap, graph_.loops().size() - 1});
+  Loop loop;
+  loop.older = other;
+  loop.newer = anchor_;
+  loop.measured = {(found->move * b_at).inverse() * a_at,
+                   turned(found->covariance, -a.origin.yaw)};
+  loop.expected = {(guess * b_at).inverse() * a_at, turned(spread, -a.origin.yaw)};
+  loop.overlap = found->overlap;
+  loop.agreement = found->agreement;
+  if (graph_.add_loop(other, anchor_, relative(loop.measured)) != GraphInput::kTaken) return;
+  loops_.push_back(loop);
   optimise_ = true;
 }
 
@@ -169,8 +172,9 @@ bool MapLoops::move_robot(AnchoredMap& map, const Pose& robot, const Eigen::Matr
 }
 
 void MapLoops::merge(AnchoredMap& map) {
-  for (const Shared& s : std::exchange(shared_, {})) {
-    if (graph_.loops()[s.loop] != LoopState::kUsed || s.overlap < kMostShared) continue;
+  for (; merged_ < loops_.size(); ++merged_) {
+    const Loop& s = loops_[merged_];
+    if (state(merged_) != LoopState::kUsed || s.overlap < kMostShared) continue;
     if (map.anchors()[static_cast<std::size_t>(s.older)].evidence.empty()) continue;
     map.merge(s.older, s.newer);
     surfaces_[static_cast<std::size_t>(s.older)] = {};

@@ -17,6 +17,14 @@
 
 namespace prospect {
 
+/// What odometry says of an anchor as seen from the one that it was measured from.
+struct AnchorStep {
+  PlanarMove way;
+  /// Of its error (x, y, yaw), in the frame of the second one.
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+};
+AnchorStep step_between(const MapAnchor& from, const MapAnchor& to);
+
 /// Keeps a map straight: aligns anchors that see the same, and corrects the map by what follows for
 /// all.
 ///
@@ -55,18 +63,22 @@ class MapLoops {
   bool move_robot(AnchoredMap& map, const Pose& robot, const Eigen::Matrix3d& covariance,
                   const Correction& correction);
 
+  /// An alignment, as it entered the graph.
+  struct Loop {
+    int older = 0, newer = 0;
+    AnchorStep measured;  ///< the newer one as seen from the older one
+    AnchorStep expected;  ///< what the graph knew of it before
+    double overlap = 0.0, agreement = 0.0;
+  };
+  const std::vector<Loop>& loops() const { return loops_; }
+  LoopState state(std::size_t loop) const { return graph_.loops()[loop]; }
   /// Loops that are used, and all of them.
   std::size_t used() const;
-  std::size_t found() const { return graph_.loops().size(); }
+  std::size_t found() const { return loops_.size(); }
   /// Where W lies in the frame in which the first anchor stays.
   const PlanarMove& origin() const { return origin_; }
 
  private:
-  struct Shared {
-    int older = 0, newer = 0;
-    double overlap = 0.0;
-    std::size_t loop = 0;
-  };
   void extend(const AnchoredMap& map);
   void begin(const AnchoredMap& map, int anchor);
   void align_next(const AnchoredMap& map);
@@ -82,7 +94,8 @@ class MapLoops {
   std::unique_ptr<NearestWall> walls_;   // of it
   std::deque<int> others_;
   bool optimise_ = false;
-  std::vector<Shared> shared_;
+  std::vector<Loop> loops_;  // as graph_ has them
+  std::size_t merged_ = 0;   // of them, how many have been looked at
   PlanarMove origin_, next_origin_;
   std::optional<Correction> told_;  // that is being followed
   bool aligns_ = true;

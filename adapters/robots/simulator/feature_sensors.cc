@@ -164,6 +164,15 @@ PlanarMove FeatureSensors::origin() const {
   return {};
 }
 
+const AnchoredMap* FeatureSensors::anchored() const { return loops_ ? &loops_->map : nullptr; }
+
+const MapLoops* FeatureSensors::loops() const {
+#ifdef PROSPECT_LOOPS
+  if (loops_) return &loops_->loops;
+#endif
+  return nullptr;
+}
+
 void FeatureSensors::enter(double stamp, const SensorFrame& ranges) {
   const auto* scan = std::get_if<ScanFrame>(&ranges);
   if (!scan || !scan->pose || scan->sensor >= static_cast<int>(depth_.size())) return;

@@ -19,6 +19,9 @@
 
 namespace prospect {
 
+class AnchoredMap;
+class MapLoops;
+
 /// Perception as a model, fast: features that are visible are tracked, the estimate drifts with how
 /// many there are (OdometryModel), is found again in the map of landmarks after a loss, and depth
 /// rays are cast through the true voxels.
@@ -44,6 +47,10 @@ class FeatureSensors final : public SimulatedSensors {
   std::vector<Followed> followed() override;
   bool move_robot(const Correction& correction, const Pose& true_pose) override;
   PlanarMove origin() const override;
+
+  /// What keeps the map straight, for evaluation; null: nothing does.
+  const AnchoredMap* anchored() const;
+  const MapLoops* loops() const;
 
  private:
   struct Loops;
