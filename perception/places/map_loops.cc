@@ -64,8 +64,7 @@ AnchorStep step_between(const MapAnchor& from, const MapAnchor& to) {
   Eigen::Matrix3d Q = added(from.covariance, way, to.covariance);
   Q.diagonal() += Eigen::Vector3d(kLeastPosition * kLeastPosition, kLeastPosition * kLeastPosition,
                                   kLeastYaw * kLeastYaw);
-  return {move_of(from.origin).inverse() * to.jump * move_of(to.origin),
-          turned(Q, -to.origin.yaw)};
+  return {move_of(from.origin).inverse() * to.jump * move_of(to.origin), turned(Q, -to.origin.yaw)};
 }
 
 std::size_t MapLoops::used() const {
@@ -136,8 +135,7 @@ void MapLoops::align_next(const AnchoredMap& map) {
   Loop loop;
   loop.older = other;
   loop.newer = anchor_;
-  loop.measured = {(found->move * b_at).inverse() * a_at,
-                   turned(found->covariance, -a.origin.yaw)};
+  loop.measured = {(found->move * b_at).inverse() * a_at, turned(found->covariance, -a.origin.yaw)};
   loop.expected = {(guess * b_at).inverse() * a_at, turned(spread, -a.origin.yaw)};
   loop.overlap = found->overlap;
   loop.agreement = found->agreement;
