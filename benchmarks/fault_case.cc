@@ -5,9 +5,12 @@
 #include <atomic>
 #include <cmath>
 #include <cstdio>
+#include <limits>
+#include <memory>
 #include <utility>
 
 #include "adapters/missions/run/exploration_run.h"
+#include "adapters/missions/run/live_mission.h"
 #include "adapters/robots/faults/faulty_base.h"
 #include "adapters/robots/faults/faulty_disk.h"
 #include "adapters/robots/faults/faulty_frames.h"
@@ -138,11 +141,17 @@ void judge(const std::vector<Sample>& samples, const FaultCase& one, FaultOutcom
 
 }  // namespace
 
-Configuration fault_drive_configuration(const std::string& world) {
+Configuration fault_drive_configuration(const std::string& world, LocalizedBy by) {
   std::vector<YamlSetting> settings = {"planner.polished=1", "planner.polish_evaluations=20"};
   if (world == "corridor") {
     settings.insert(settings.end(), {"task.kind=go", "task.goal=[12, 0]",
                                      "simulator.odometry.perfect=true", "planner.weights.w_l=0"});
+  }
+  if (by == LocalizedBy::kPose) {
+    settings.insert(
+        settings.end(),
+        {"robot.shape={type: cylinder, radius: 0.18, height: 0.4, center: [0, 0, 0.3]}",
+         "robot.depth={horizontal_fov: 360, vertical_fov: 0, mount: {position: [0.05, 0, 0.3]}}"});
   }
   return read_configuration("", {}, settings);
 }
@@ -156,17 +165,29 @@ FaultOutcome drive_with_fault(const std::shared_ptr<const World>& world,
   Simulator simulator(world, simulator_options, configuration.perception);
   const SimulatedBaseOptions base_options;
   SimulatedBase base(simulator, clock, *configuration.robot.model, base_options);
-  FaultyBase faulty_base(base, clock, faults, kStart);
-  SensorInbox inbox(clock, FaultyFrames::inbox_options(simulated_inbox({}), faults));
+  const SensorInboxOptions inbox_options = in_runtime_clock(inbox_of(configuration));
+  ToldBase told_base(base, one.by, inbox_options.pose_jump);
+  FaultyBase faulty_base(told_base, clock, faults, kStart);
+  SensorInbox inbox(clock, FaultyFrames::inbox_options(inbox_options, faults));
   const RgbdFootprint& seen = configuration.robot.depth;
   FaultyFrames frames(clock, inbox, faults, kStart, {seen.min_range, seen.max_range});
-  SimulatedStreams streams(base, simulator, clock, inbox, frames, base_options.belief_period);
-  Watched watched(base, streams, clock, one);
+  std::unique_ptr<BeliefSource> beliefs;
+  if (one.by == LocalizedBy::kCameras) {
+    beliefs = std::make_unique<SimulatedStreams>(base, simulator, clock, inbox, frames,
+                                                 base_options.belief_period);
+  } else {
+    beliefs = std::make_unique<ToldBeliefs>(base, told_base, simulator, clock, inbox, frames,
+                                            base_options.belief_period, one.by, configuration);
+  }
+  Watched watched(base, *beliefs, clock, one);
   Planner planner(configuration.robot, configuration.planner,
                   SolverRegistry().make(configuration.solver));
   FaultyReplanner faulty(planner, *configuration.robot.model, clock, faults, kStart);
   FaultyDisk disk(clock, faults, kStart);
-  const Guard guard = guard_for(configuration.robot, configuration.planner, configuration.guard);
+  Guard::Options ages = configuration.guard;
+  if (one.by != LocalizedBy::kCameras)
+    ages.max_landmarks_age = std::numeric_limits<double>::infinity();
+  const Guard guard = guard_for(configuration.robot, configuration.planner, ages);
   MissionOptions mission = configuration.mission;
   mission.time_limit = one.length;
   mission.observers = {&disk};

@@ -10,6 +10,7 @@
 #include "adapters/formats/worlds/world.h"
 #include "adapters/missions/config/configuration.h"
 #include "adapters/robots/faults/injected_fault.h"
+#include "benchmarks/told_robot.h"
 
 namespace prospect {
 
@@ -20,6 +21,7 @@ struct FaultCase {
   /// [s] after the fault is over until a person acknowledges a stop that latches.
   double patience = 1.0;
   std::uint64_t seed = 1;  ///< of the simulator
+  LocalizedBy by = LocalizedBy::kCameras;
 };
 
 /// What became of it. Times and places are of the true robot, every 0.05 s.
@@ -45,8 +47,10 @@ struct FaultOutcome {
 };
 
 /// A drive with a planner that does little: what is looked at is what is around it. Along the world
-/// `corridor` it is at full speed, 0.6 m/s, from 3 s on; any other world it explores.
-Configuration fault_drive_configuration(const std::string& world);
+/// `corridor` it is at full speed, 0.6 m/s, from 3 s on; any other world it explores. A robot that
+/// is told its pose sees all round, in one plane.
+Configuration fault_drive_configuration(const std::string& world,
+                                        LocalizedBy by = LocalizedBy::kCameras);
 
 /// Drives the simulated robot in real time's way, by threads, on a SimulatedClock, with the
 /// configured planner. Deterministic. Throws as Simulator and Driver do.

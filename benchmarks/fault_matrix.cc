@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Each fault of the simulated robot, or each pair, one drive each, as a table (Markdown).
 //   fault_matrix [WORLD] [--fault SOURCE:VERB[,SOURCE:VERB]...] [--from S] [--for S] [--length S]
-//   [--seed N]
-//   [--jobs N] [--events]
+//   [--seed N] [--by cameras|wheels|pose] [--jobs N] [--events]
 // Without --fault: all of them. Drives are of threads on a simulated clock (fault_case.h). "Drives
 // again" counts from the end of the fault. Exit code 1: a contact.
 #include <atomic>
@@ -73,6 +72,7 @@ int fault_matrix(int argc, char** argv) {
   bool events = false;
   int jobs = 2, seed = 1;
   double from = 5.0, duration = 3.0, length = 13.0;
+  std::string by_name = "cameras";
   ProgramOptions program("Faults of the simulated robot, one drive each, as a table");
   program.add("world", world_name, "Built-in name or file");
   program.add("--fault", faults, "SOURCE:VERB, several at once by commas; without it each alone");
@@ -80,9 +80,11 @@ int fault_matrix(int argc, char** argv) {
   program.add("--for", duration, "How long it holds [s]", {.least = 0.05});
   program.add("--length", length, "Of a drive [s]", {.least = 1.0});
   program.add("--seed", seed, "Of the simulator", {.least = 0});
+  program.add("--by", by_name, "What tells the robot where it is: cameras, wheels or pose");
   program.add("--jobs", jobs, "Drives at a time", {.least = 1});
   program.add("--events", events, "Print what the robot said");
   if (const std::optional<int> code = program.parse(argc, argv)) return *code;
+  const LocalizedBy by = localized_by(by_name);
   std::vector<FaultCase> cases;
   const auto add = [&](std::vector<InjectedFault> together) {
     for (InjectedFault& fault : together) {
@@ -91,6 +93,7 @@ int fault_matrix(int argc, char** argv) {
     }
     cases.push_back({std::move(together), length});
     cases.back().seed = static_cast<std::uint64_t>(seed);
+    cases.back().by = by;
   };
   for (const std::string& text : faults) {
     try {
@@ -106,7 +109,7 @@ int fault_matrix(int argc, char** argv) {
   for (const FaultKind& kind : fault_kinds()) {
     if (faults.empty() && kind.implemented) add({{kind.source, kind.verb}});
   }
-  const Configuration configuration = fault_drive_configuration(world_name);
+  const Configuration configuration = fault_drive_configuration(world_name, by);
   const auto world =
       std::make_shared<const World>(load_world(world_name, world_options_for(configuration)));
   const std::vector<FaultOutcome> outcomes = drive_all(world, configuration, cases, jobs);

@@ -55,14 +55,15 @@ DepthMapper::DepthMapper(const PinholeCamera& camera, const DepthMapperOptions& 
 }
 
 /// Whether the image is worth entering.
-bool DepthMapper::check_image(const DepthImage& image, MappedFrame& out) {
+bool DepthMapper::check_image(const DepthImage& image, const std::optional<Eigen::Isometry3d>& pose,
+                              MappedFrame& out) {
   if (!image.whole() || image.width != camera_.width || image.height != camera_.height) {
     add_reason(out.reason, "the image has the wrong size");
     return false;
   }
-  // A real sensor never gives the same noise twice: this is an old image, not a robot at rest.
-  const bool frozen = last_image_.whole() && last_image_.same(image);
-  if (!frozen) last_image_ = image;
+  const bool same = last_image_.whole() && last_image_.same(image);
+  if (!same) last_image_ = image;
+  const bool frozen = repeated_.hangs(same, pose);
   int pixels = 0, valid = 0, neighbours = 0, rough = 0;
   int half[4] = {0, 0, 0, 0};  // valid ones: left, right, upper, lower
   float nearest = std::numeric_limits<float>::infinity(), farthest = 0.0F;
@@ -211,11 +212,13 @@ MappedFrame DepthMapper::process(double stamp, const DepthImage& image,
   any_stamp_ = true;
 
   out.state = Mapping::kOk;
-  const bool sound = check_image(image, out);
-  const char* const problem = sound ? poses_.problem(stamp, T_WC) : nullptr;
+  const char* problem = poses_.problem(stamp, T_WC);
+  if (problem == nullptr) problem = not_mapped_at(pose);
+  const bool sound =
+      check_image(image, problem == nullptr ? std::optional(T_WC) : std::nullopt, out);
   out.times.check = clock.lap();
-  if (!sound || problem != nullptr) return reject(problem);
-  if (const char* const why = not_mapped_at(pose)) return reject(why);
+  if (!sound) return reject(nullptr);
+  if (problem != nullptr) return reject(problem);
   if (gap) {
     add_reason(out.reason, "frames are missing");
     out.state = Mapping::kDegraded;

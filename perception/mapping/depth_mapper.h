@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -12,6 +13,7 @@
 #include "perception/mapping/ground_plane.h"
 #include "perception/mapping/occupancy_mapper.h"
 #include "perception/mapping/pose_check.h"
+#include "perception/mapping/repeated_content.h"
 
 namespace prospect {
 
@@ -100,11 +102,11 @@ struct MappedFrame {
 ///
 /// States. Ok. Degraded: the scan was entered, but no ground was found in it, or a half of the
 /// image or nearly all of it has no depth, or frames are missing before it. Rejected: nothing was
-/// entered; the image has a wrong size, has no depth, is the one before again (frozen), is
-/// everywhere the same, is noise; the time is no number or does not increase; the pose is no
-/// rotation and translation, is not ok by the odometry (degraded, lost), or is farther from the
-/// last accepted one than the robot can have moved; or too much lies below the floor, so that pose,
-/// calibration or unit of the depth must be wrong.
+/// entered; the image has a wrong size, has no depth, is the one before again although the camera
+/// has moved (frozen, RepeatedContent), is everywhere the same, is noise; the time is no number or
+/// does not increase; the pose is no rotation and translation, is not ok by the odometry (degraded,
+/// lost), or is farther from the last accepted one than the robot can have moved; or too much lies
+/// below the floor, so that pose, calibration or unit of the depth must be wrong.
 ///
 /// Thread-safety: as OccupancyMapper. Errors: the constructor throws std::invalid_argument on wrong
 /// cameras or options; process() never throws for any image, time or pose. Determinism: same
@@ -124,7 +126,9 @@ class DepthMapper {
   int stride() const { return stride_; }  ///< s
 
  private:
-  bool check_image(const DepthImage& image, MappedFrame& out);
+  /// pose: of the camera; none: nobody knows it.
+  bool check_image(const DepthImage& image, const std::optional<Eigen::Isometry3d>& pose,
+                   MappedFrame& out);
   void correct(MappedFrame& frame) const;
   bool make_scan(const DepthImage& image, MappedFrame& frame, DepthScan& scan) const;
 
@@ -132,7 +136,8 @@ class DepthMapper {
   DepthMapperOptions options_;
   std::shared_ptr<OccupancyMapper> map_;
   int stride_ = 1;
-  DepthImage last_image_;    // as received
+  DepthImage last_image_;  // as received
+  RepeatedContent repeated_;
   double last_stamp_ = 0.0;  // of the last frame with a sound time
   double period_ = 0.0;      // usual time between frames [s]
   bool any_stamp_ = false;

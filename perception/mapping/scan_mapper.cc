@@ -94,17 +94,16 @@ MappedFrame ScanMapper::process(double stamp, const DepthScan& scan_S,
   last_stamp_ = stamp;
   any_stamp_ = true;
   const char* problem = poses_.problem(stamp, T_WS);
+  const char* const unsure = not_mapped_at(pose);
+  const bool known = problem == nullptr && unsure == nullptr;
   if (problem == nullptr && scan_S.hits.empty() && scan_S.misses.empty()) {
     problem = "the scan has no valid range";
   }
   const bool same = !scan_S.hits.empty() && scan_S.hits == last_hits_;
   if (!same) last_hits_ = scan_S.hits;
-  // A simulated lidar at rest gives the same ranges again: only one that has moved is frozen.
-  if (problem == nullptr && same && poses_.any() &&
-      (T_WS.translation() - poses_.last().translation()).norm() > options_.map.resolution) {
-    problem = "the scan is frozen";
-  }
-  if (problem == nullptr) problem = not_mapped_at(pose);
+  const bool hangs = repeated_.hangs(same, known ? std::optional(T_WS) : std::nullopt);
+  if (problem == nullptr && hangs) problem = "the scan is frozen";
+  if (problem == nullptr) problem = unsure;
   out.times.check = clock.lap();
   if (problem != nullptr) return reject(problem);
   DepthScan scan;

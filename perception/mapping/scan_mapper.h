@@ -8,6 +8,7 @@
 #include "perception/mapping/depth_mapper.h"
 #include "perception/mapping/occupancy_mapper.h"
 #include "perception/mapping/pose_check.h"
+#include "perception/mapping/repeated_content.h"
 
 namespace prospect {
 
@@ -39,9 +40,9 @@ void describe(Knobs& knobs, ScanMapperOptions& options);
 /// The floor is not measured: height and tilt of the lidar are those of its poses.
 ///
 /// States. Ok. Rejected: nothing was entered; the scan has no ray, all its points are those of the
-/// scan before although the lidar has moved by a voxel (frozen); the time is no number or does not
-/// increase; the pose cannot be (PoseCheck) or is not ok by the odometry; or too much lies below
-/// the floor.
+/// scan before although the lidar has moved (frozen, RepeatedContent); the time is no number or
+/// does not increase; the pose cannot be (PoseCheck) or is not ok by the odometry; or too much lies
+/// below the floor.
 ///
 /// Thread-safety: as OccupancyMapper. Errors: the constructor throws std::invalid_argument on
 /// options out of range; process() never throws for any scan, time or pose. Determinism: same
@@ -68,6 +69,7 @@ class ScanMapper {
   std::shared_ptr<OccupancyMapper> map_;
   PoseCheck poses_;
   std::vector<Eigen::Vector3d> last_hits_;  // as received
+  RepeatedContent repeated_;
   double last_stamp_ = 0.0;
   bool any_stamp_ = false;
 };

@@ -36,6 +36,7 @@ class FastNode {
  public:
   explicit FastNode(const DdsAddress& address) {
     fast::dds::DomainParticipantQos qos;
+    qos.name(address.node.c_str());
     qos.transport().use_builtin_transports = false;
     const auto udp = std::make_shared<fast::rtps::UDPv4TransportDescriptor>();
     udp->interfaceWhiteList = {"127.0.0.1"};

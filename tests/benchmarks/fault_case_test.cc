@@ -139,5 +139,28 @@ TEST(FaultCase, NoFaultEndsInAContactOrASilentStall) {
   }
 }
 
+// One goes by its wheels; the other is told its pose, which tells its speed, too. On a straight way
+// it is hardly told to turn, so `mirrored` shows later where poses alone tell of it.
+TEST(FaultCase, RobotsWithoutCamerasNameABaseThatGoesAstray) {
+  for (const LocalizedBy by : {LocalizedBy::kWheels, LocalizedBy::kPose}) {
+    const Configuration configuration = fault_drive_configuration("corridor", by);
+    const auto world =
+        std::make_shared<const World>(load_world("corridor", world_options_for(configuration)));
+    for (const char* verb : {"inverted", "mirrored", "double", "ignores", "runaway", "one-wheel"}) {
+      InjectedFault fault = parse_fault(std::string("base:") + verb);
+      fault.from = 6.0;
+      fault.duration = kFor;
+      const FaultOutcome o =
+          drive_with_fault(world, configuration, {.faults = {fault}, .length = 10.0, .by = by});
+      const bool late = by == LocalizedBy::kPose && fault.verb == FaultVerb::kMirrored;
+      EXPECT_GT(o.speed, 0.5) << verb;
+      EXPECT_EQ(o.contacts, 0) << verb;
+      ASSERT_TRUE(o.named_time) << verb;
+      EXPECT_TRUE(*o.named_time <= (late ? 2.0 : 1.0) || *o.named_distance <= 0.3)
+          << verb << ": " << to_text(o);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace prospect::fault_case_test

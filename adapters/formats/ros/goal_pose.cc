@@ -24,7 +24,16 @@ FloorGoal floor_goal(const Eigen::Isometry3d& T, const std::string& name) {
   if (ahead.head<2>().norm() < 0.1) {
     throw InputError(name + ": a goal that looks up or down; expected a heading on the floor");
   }
+  check_upright(T, name);
   return {T.translation().head<2>(), std::atan2(ahead.y(), ahead.x())};
+}
+
+void check_upright(const Eigen::Isometry3d& T, const std::string& name) {
+  constexpr double kLeast = 0.5;  // cosine
+  if (T.linear()(2, 2) >= kLeast) return;
+  throw InputError(name +
+                   ": a robot that lies on its side or its head; expected its z axis up (a "
+                   "quaternion is x, y, z, w)");
 }
 
 }  // namespace prospect::ros

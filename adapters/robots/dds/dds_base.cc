@@ -15,6 +15,7 @@
 #include "adapters/formats/datasets/transform_tree.h"
 #include "adapters/formats/files/input_error.h"
 #include "adapters/formats/ros/geometry_msgs.h"
+#include "adapters/formats/ros/goal_pose.h"
 #include "adapters/formats/ros/nav_msgs.h"
 #include "adapters/robots/dds/dds_links.h"
 #include "models/sinc.h"
@@ -86,6 +87,7 @@ struct DdsBase::Impl {
       const RosTransform pose = read_ros_pose(cdr, ros::Odometry::kType, name);
       check_parent(pose.parent);
       T = pose.T * T_BO.inverse();
+      ros::check_upright(*T, name);
     }
     const std::lock_guard lock(mutex);
     if (!T) T = moved(sample);

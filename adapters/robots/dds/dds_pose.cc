@@ -13,6 +13,7 @@
 #include "adapters/formats/datasets/transform_tree.h"
 #include "adapters/formats/files/input_error.h"
 #include "adapters/formats/ros/geometry_msgs.h"
+#include "adapters/formats/ros/goal_pose.h"
 #include "adapters/formats/ros/nav_msgs.h"
 #include "perception/odometry/body_pose.h"
 
@@ -72,11 +73,12 @@ struct DdsPose::Impl {
       T_BF = *known;
     }
     const Eigen::Isometry3d T_WB = told.T * T_BF.inverse();
-    put(told.stamp, T_WB, told.covariance, T_WB.translation() - told.T.translation());
+    put(told.stamp, T_WB, told.covariance, T_WB.translation() - told.T.translation(), name);
   }
 
   void put(double stamp, const Eigen::Isometry3d& T_WB, const Covariance6& told,
-           const Eigen::Vector3d& arm) {
+           const Eigen::Vector3d& arm, const std::string& name) {
+    ros::check_upright(T_WB, name);
     ExternalPose pose{.stamp = stamp, .T_WB = T_WB};
     Covariance6 known = told;
     if (told.isZero(0.0)) {
@@ -120,10 +122,10 @@ DdsPose::DdsPose(const DdsOptions& options, DdsNode& node, DdsTransforms& transf
     : impl_(std::make_shared<Impl>(options, node, transforms, inbox, base)) {
   const auto impl = impl_;
   if (options.pose_source == DdsOptions::PoseSource::kTf) {
-    transforms.follow(options.frames.map, options.frames.base,
-                      [impl](double stamp, const Eigen::Isometry3d& T) {
-                        impl->put(stamp, T, Covariance6::Zero(), Eigen::Vector3d::Zero());
-                      });
+    transforms.follow(
+        options.frames.map, options.frames.base, [impl](double stamp, const Eigen::Isometry3d& T) {
+          impl->put(stamp, T, Covariance6::Zero(), Eigen::Vector3d::Zero(), impl->options.tf);
+        });
     return;
   }
   const std::string& type = options.pose.type;

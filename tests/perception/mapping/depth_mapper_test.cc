@@ -9,6 +9,7 @@
 #include <limits>
 #include <random>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "tests/not_under_sanitizers.h"
@@ -383,6 +384,32 @@ TEST(DepthMapper, Faults) {
       const Eigen::Vector3d p = r * Eigen::Vector3d(i + 0.5, j + 0.5, k + 0.5);
       EXPECT_LT(to_surface(scene, p), kNearSurface + r) << fault.name << ": " << p.transpose();
     });
+  }
+}
+
+// A camera without noise that stands shows the same again and again; one that hangs, too.
+TEST(DepthMapper, TheSameImageIsOldOnlyIfTheCameraHasMoved) {
+  const DepthScene scene = furnished();
+  const auto at = [](double x, double yaw) {
+    return DepthScene::looking(x, 0.0, 0.62, yaw, 18.0 * kDegree);
+  };
+  const DepthImage image = scene.render(kCamera, at(-1.4, 0.0), 0.0, 1);
+  for (const auto& [speed, rate] : {std::pair{0.0, 0.0}, {0.05, 0.0}, {0.0, 0.05}}) {
+    DepthMapper mapper(kCamera);
+    for (int k = 0; k < 40; ++k) {
+      // Poses of one that stands err, too.
+      const double t = 0.1 * k, error = k % 2 == 0 ? 0.001 : -0.001;
+      const MappedFrame out =
+          mapper.process(t, image, at(-1.4 + speed * t + error, rate * t - error));
+      const bool moved = std::max(speed, rate) * t > 0.025;
+      const bool stands = std::max(speed, rate) * t < 0.015;
+      if (stands) {
+        EXPECT_EQ(out.state, Mapping::kOk) << t << ' ' << out.reason;
+      }
+      if (moved) {
+        EXPECT_EQ(out.reason, "the image is frozen") << t;
+      }
+    }
   }
 }
 

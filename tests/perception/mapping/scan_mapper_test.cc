@@ -85,6 +85,19 @@ TEST(ScanMapper, WhatIsRejectedLeavesTheMapAsItWas) {
   EXPECT_EQ(before->state(30, 0, 8), CellState::kOccupied);
 }
 
+// However slowly: between two scans it never moves by much.
+TEST(ScanMapper, TheSameScanIsOldOnlyIfTheLidarHasMoved) {
+  ScanMapper stands(options()), moves(options());
+  for (int k = 0; k < 40; ++k) {
+    const double t = 0.1 * k;
+    EXPECT_EQ(stands.process(t, wall(), at(0.0, 0.425)).reason, "") << t;
+    const std::string reason = moves.process(t, wall(), at(0.05 * t, 0.425)).reason;
+    if (t < 0.35 || t > 0.45) {
+      EXPECT_EQ(reason, t < 0.35 ? "" : "the scan is frozen") << t;
+    }
+  }
+}
+
 TEST(ScanMapper, OptionsOutOfRangeAreRefused) {
   ScanMapperOptions bad = options();
   bad.point_spacing = 0.0;

@@ -42,8 +42,10 @@ class Driver {
                                        });
     node_.start();
   }
-  void odometry(double speed, double x, const std::string& child = "base_link") {
+  void odometry(double speed, double x, const std::string& child = "base_link",
+                const ros::Quaternion& orientation = {}) {
     ros::Odometry m;
+    m.pose.pose.orientation = orientation;
     m.header = {ros::time_of(clock_.now() + kRobotsClock), "odom"};
     m.child_frame_id = child;
     m.pose.pose.position.x = x;
@@ -147,18 +149,21 @@ TEST(DdsBase, DrivesAndHearsABaseBehindTopics) {
   struct Bad {
     double speed;
     const char *child, *expected;
+    ros::Quaternion orientation{};
   };
   for (const Bad& bad :
        {Bad{nan, "base_link", "/odom: not a motion; expected finite numbers"},
-        Bad{0.25, "wheel", "/odom: child_frame_id is 'wheel'; expected 'base_link'"}}) {
+        Bad{0.25, "wheel", "/odom: child_frame_id is 'wheel'; expected 'base_link'"},
+        Bad{0.25, "base_link", "a quaternion is x, y, z, w", {1.0, 0.0, 0.0, 0.0}}}) {
     for (int k = 0; k < 30; ++k) {
-      k % 10 == 5 ? driver.odometry(bad.speed, 3.0, bad.child) : driver.odometry(0.25, 3.0);
+      k % 10 == 5 ? driver.odometry(bad.speed, 3.0, bad.child, bad.orientation)
+                  : driver.odometry(0.25, 3.0);
       clock.wait_until(clock.now() + 0.01, {});
       EXPECT_TRUE(base.report().faults.empty()) << bad.expected;
     }
     EXPECT_TRUE(within(
         kPatience, [&] { return !node.fault("/odom").empty(); },
-        [&] { driver.odometry(bad.speed, 3.0, bad.child); }));
+        [&] { driver.odometry(bad.speed, 3.0, bad.child, bad.orientation); }));
     EXPECT_THAT(base.report().faults, Contains(HasSubstr(bad.expected)));
     EXPECT_TRUE(within(
         kPatience, [&] { return base.report().faults.empty(); },

@@ -181,6 +181,8 @@ TEST(DdsCommands, AGoalThatCannotBeIsRefused) {
   bad = m;
   bad.pose.orientation = {0.0, -std::sqrt(0.5), 0.0, std::sqrt(0.5)};
   EXPECT_THAT(refusal(bad), HasSubstr("up or down"));
+  bad.pose.orientation = {1.0, 0.0, 0.0, 0.0};  // w first
+  EXPECT_THAT(refusal(bad), HasSubstr("a quaternion is x, y, z, w"));
 }
 
 }  // namespace

@@ -156,6 +156,9 @@ TEST(DdsPose, OfATopicIsCarriedOverToTheBodyWithItsCovariance) {
   wrong = m, wrong.pose.pose.orientation = {};
   wrong.pose.pose.orientation.w = 0.0;
   EXPECT_TRUE(pair.refused(o.pose.topic, "not a pose", tell_wrong));
+  // A heading of 0.4 rad whose w was written first.
+  wrong = m, wrong.pose.pose.orientation = {std::cos(0.2), 0.0, 0.0, std::sin(0.2)};
+  EXPECT_TRUE(pair.refused(o.pose.topic, "lies on its side or its head", tell_wrong));
 }
 
 TEST(DdsPose, OfOtherTypes) {

@@ -1,0 +1,98 @@
+#include "benchmarks/told_robot.h"
+
+#include <utility>
+
+#include "adapters/formats/files/input_error.h"
+#include "adapters/missions/run/live_perception.h"
+#include "models/body_transform.h"
+
+namespace prospect {
+namespace {
+
+PerceptionOptions perception_of(const Configuration& c, const Pose& start, LocalizedBy by) {
+  PerceptionOptions options = live_perception(c, {}, start);
+  options.wheels = by == LocalizedBy::kWheels;
+  return options;
+}
+
+}  // namespace
+
+LocalizedBy localized_by(const std::string& name) {
+  if (name == "cameras") return LocalizedBy::kCameras;
+  if (name == "wheels") return LocalizedBy::kWheels;
+  if (name == "pose") return LocalizedBy::kPose;
+  throw InputError("--by: '" + name + "'; expected cameras, wheels or pose");
+}
+
+BaseReport ToldBase::report() {
+  BaseReport report = base_.report();
+  if (by_ == LocalizedBy::kWheels) {
+    // What acts now has acted since the report before.
+    const Twist& v = report.velocity;
+    report.wheels = {{report.stamp, v.linear.head<2>(), v.yaw_rate}};
+  }
+  if (by_ == LocalizedBy::kPose) {
+    const std::lock_guard lock(mutex_);
+    report.velocity = told_.velocity().value_or(Twist());
+  }
+  return report;
+}
+
+void ToldBase::told(const ExternalPose& pose) {
+  const std::lock_guard lock(mutex_);
+  told_.add(pose.stamp, pose.T_WB);
+}
+
+ToldBeliefs::ToldBeliefs(SimulatedBase& motors, ToldBase& base, Simulator& simulator,
+                         const Clock& clock, SensorInbox& inbox, FrameSink& frames, double period,
+                         LocalizedBy by, const Configuration& configuration)
+    : motors_(motors),
+      base_(base),
+      simulator_(simulator),
+      clock_(clock),
+      inbox_(inbox),
+      frames_(frames),
+      period_(period),
+      by_(by),
+      perception_(perception_of(configuration, simulator.true_pose(), by)),
+      updated_(clock.now()),
+      random_(simulator.options().seed) {
+  clear_start(perception_.map(), configuration, simulator.true_pose());
+  simulator_.deliver_to(this);
+  simulator_.leave_ranges();
+}
+
+ToldBeliefs::~ToldBeliefs() { simulator_.deliver_to(nullptr); }
+
+void ToldBeliefs::observe(const SensorFrame& measured) {
+  const auto* scan = std::get_if<ScanFrame>(&measured);
+  if (!scan) return;
+  ScanFrame later = *scan;
+  later.stamp += motors_.start();
+  later.pose = nullptr;  // of a model of cameras
+  frames_.observe(later);
+}
+
+void ToldBeliefs::tell_pose() {
+  constexpr double kSigma = 0.002;  // [m], [rad]
+  std::normal_distribution<double> noise(0.0, kSigma);
+  Pose pose = simulator_.true_pose();
+  pose.position.x() += noise(random_);
+  pose.position.y() += noise(random_);
+  pose.yaw += noise(random_);
+  ExternalPose told{.stamp = updated_, .T_WB = body_transform(pose)};
+  told.covariance.diagonal() << kSigma * kSigma, kSigma * kSigma, 0.0, kSigma * kSigma;
+  base_.told(told);
+  frames_.observe(told);
+}
+
+std::shared_ptr<const Belief> ToldBeliefs::update(const std::stop_token& stop) {
+  if (!clock_.wait_until(updated_ + period_, stop)) return nullptr;
+  updated_ = clock_.now();
+  motors_.advance(updated_);
+  if (by_ == LocalizedBy::kPose) tell_pose();
+  while (const std::optional<SensorFrame> frame = inbox_.take()) feed(perception_, *frame);
+  return perception_.belief();
+}
+
+}  // namespace prospect
