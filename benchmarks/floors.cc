@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // floors [--seed N] [--time-limit T] [--config FILE] WORLD...: a mission on each world, and what
 // became of its edges, a row of CSV each:
 //   end, fallen, contacts, coverage [%], duration [s]

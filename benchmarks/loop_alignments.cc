@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // loop_alignments RUN [--seed S] [--loops FILE] [--json]: what is claimed of the loops of a map
 // that is kept straight, against the truth. RUN: the folder of a mission of `prospect explore` in
 // the fidelity `model`. Its true path is driven again, straight from step to step, by the same

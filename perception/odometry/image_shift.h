@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <vector>
 
 #include "perception/odometry/image_pyramid.h"
 
@@ -16,7 +17,10 @@ namespace prospect {
 /// best shift, if its correlation is at least min_correlation. Good to a pixel: a start for
 /// tracking after a fast turn, which shifts near and distant things alike (Klein and Murray 2008).
 /// Empty, too, if the sizes differ. Deterministic; no state.
+///
+/// `part`: of `from`, row by row, the pixels that count; empty: all.
 std::optional<Eigen::Vector2d> image_shift(const PyramidLevel& from, const PyramidLevel& to,
-                                           double min_correlation = 0.4);
+                                           double min_correlation = 0.4,
+                                           const std::vector<char>& part = {});
 
 }  // namespace prospect

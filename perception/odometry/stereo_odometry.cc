@@ -27,13 +27,17 @@
 #include "perception/odometry/keyframe_policy.h"
 #include "perception/odometry/landmark_search.h"
 #include "perception/odometry/median.h"
+#include "perception/odometry/motion_prior.h"
 #include "perception/odometry/point_observation.h"
 #include "perception/odometry/pose_drift.h"
 #include "perception/odometry/pose_estimation.h"
 #include "perception/odometry/pose_judgement.h"
 #include "perception/odometry/recall.h"
 #include "perception/odometry/residual_noise.h"
+#include "perception/odometry/se3.h"
+#include "perception/odometry/second_motion.h"
 #include "perception/odometry/shared_errors.h"
+#include "perception/odometry/still_view.h"
 #include "perception/odometry/track.h"
 #include "perception/odometry/track_survival.h"
 #include "perception/odometry/trusted_pose.h"
@@ -51,6 +55,8 @@ using Vector6d = Eigen::Matrix<double, 6, 1>;
 /// Poses of so many frames stand in the joint covariance beside the anchors, for
 /// covariance_since(), under a number of their own.
 constexpr std::uint64_t kRememberedFrames = 20;
+/// Probability of another motion from which on the pose is degraded.
+constexpr double kDoubt = 0.01;
 std::uint64_t of_frame(std::uint64_t frame) { return (std::uint64_t{1} << 63) | frame; }
 
 /// What is made of the images of a frame.
@@ -61,6 +67,7 @@ struct FrameImages {
   FrameImages(const ImageView& left_image, const ImageView& right_image, int levels)
       : left(left_image, levels), right(std::make_shared<const ImagePyramid>(right_image, 1)) {}
   const PyramidLevel& coarse() const { return left.level(left.levels() - 1); }
+  const PyramidLevel& middle() const { return left.level(std::min(2, left.levels() - 1)); }
 };
 
 /// A frame's place, and whether it is to be taken.
@@ -89,6 +96,8 @@ struct StereoOdometry::Impl {
         options(all_options),
         recalls(options.recovery_keyframes),
         clock(options.max_gap),
+        as_before(options.motion),
+        as_measured(options.motion),
         time_offset(options.time_offset),
         drift(calibration_covariance(options.calibration, options.disparity_offset.prior_sigma)),
         survival(options.survival) {
@@ -116,13 +125,24 @@ struct StereoOdometry::Impl {
   std::vector<LandmarkSighting> sightings;  // of this frame, as in the header
   std::vector<std::uint64_t> given_up;
 
+  // What moves.
+  MotionPrior as_before, as_measured;  // the motion from the one before, from the one that is given
+  SecondMotion second;
+  bool may_be_carried = false;  // what the newest frame tracks
+
   // What is learned on the way.
   double offset = 0.0;  // of all disparities, see disparity_offset.h [px]
   CameraTimeOffset time_offset;
   ResidualNoise noise;
   PoseDrift drift;
-  Matrix6d covariance = Matrix6d::Zero();          // at the trusted pose, against the start
-  std::map<std::uint64_t, Isometry3d> remembered;  // T_CW of measured frames, by their number
+  Matrix6d covariance = Matrix6d::Zero();  // at the trusted pose, against the start
+  struct Remembered {
+    Isometry3d T_CW;
+    SecondMotion::Sum second;
+  };
+  std::map<std::uint64_t, Remembered> remembered;  // measured frames, by their number
+  SecondMotion::Sum second_at_keyframe;
+  double keyframe_stamp = 0.0;  // [s]
   TrackSurvival survival;
   double row_error = 0.0;
 
@@ -134,7 +154,7 @@ struct StereoOdometry::Impl {
     out.state = state;
     if (!reason.empty()) add_reason(out.reason, reason);
     out.T_WC = trusted.T_CW.inverse();
-    out.covariance = covariance;
+    out.covariance = covariance + second.covariance(trusted.T_CW);
     out.row_error = row_error;
     out.disparity_offset = offset;
     out.disparity_offset_sigma = std::sqrt(drift.calibration_variance(kDisparityError));
@@ -171,6 +191,23 @@ struct StereoOdometry::Impl {
         tracks, {options.sigma_corner, options.sigma_corner, options.sigma_disparity}, offset);
   }
 
+  /// What is expected of the motion to the frame at `stamp`.
+  MotionExpectation expectation(double stamp, const std::optional<Isometry3d>& motion) const {
+    MotionExpectation expected;
+    expected.T_CW = trusted.T_CW;
+    expected.dt = stamp - trusted.stamp;
+    expected.before = &trusted;
+    expected.moving_T_CW = second.expected(stamp);
+    if (motion && motion->matrix().allFinite()) {
+      expected.T_CW = motion->inverse() * trusted.T_CW;
+      expected.prior = &as_measured;
+    } else if (trusted.velocity && !clock.gap()) {
+      expected.T_CW = trusted.continued(stamp);
+      expected.prior = &as_before;
+    }
+    return expected;
+  }
+
   /// Where the frame was taken: from where the robot should be by `motion` or as it moved before;
   /// if that fails, once more as if nothing had been measured, from where it was, and from the
   /// newest views that were kept. Changes the tracks to those that were found.
@@ -178,8 +215,9 @@ struct StereoOdometry::Impl {
                    OdometryTimes& times) {
     const FrameLocator locator(camera, options, offset, options.seed + frame, now.left, *now.right,
                                times);
+    const MotionExpectation expected = expectation(stamp, motion);
     const auto from = [&](std::vector<Track>& points, const Isometry3d& prior, bool trust_prior) {
-      Candidate candidate{locator.locate(points, prior, trust_prior), {}};
+      Candidate candidate{locator.locate(points, prior, trust_prior, expected), {}};
       candidate.judgement =
           judge_pose(candidate.location, points, trusted, stamp, camera.left, options);
       return candidate;
@@ -187,13 +225,16 @@ struct StereoOdometry::Impl {
     const auto turned = [&](const Isometry3d& T_CW, const PyramidLevel& before) {
       return turned_by_shift(T_CW, before, now.coarse(), camera.left);
     };
-    const auto as_before = [&] {
+    const auto gone_on = [&] {
       return trusted.velocity ? trusted.continued(stamp) : turned(trusted.T_CW, trusted.coarse);
     };
     const bool measured = motion && motion->matrix().allFinite();
-    Candidate candidate = from(tracks, measured ? motion->inverse() * trusted.T_CW : as_before(),
+    Candidate candidate = from(tracks, measured ? motion->inverse() * trusted.T_CW : gone_on(),
                                measured || (trusted.velocity && !clock.gap()));
     if (candidate.judgement.state != Localization::kLost) return candidate;
+    if (!second.seen()) {  // a pose that is not taken says nothing of what moves
+      for (Track& t : tracks) t.moving = false;
+    }
 
     const auto retry = [&](std::vector<Track> points, const Isometry3d& prior) {
       Candidate other = from(points, prior, false);
@@ -202,7 +243,7 @@ struct StereoOdometry::Impl {
       tracks = std::move(points);
       return true;
     };
-    if (measured && trusted.velocity && retry(tracks, as_before())) return candidate;
+    if (measured && trusted.velocity && retry(tracks, gone_on())) return candidate;
     // After a while of blur or darkness a robot that has gone on is nowhere near.
     const double since = stamp - trusted.stamp;
     if (trusted.velocity && since > TrustedPose::kLikely &&
@@ -217,12 +258,71 @@ struct StereoOdometry::Impl {
   }
 
   /// The frame's pose is the newest that is trusted.
-  void take(const Candidate& candidate, double stamp, const FrameImages& now, OdometryFrame& out) {
+  void take(const Candidate& candidate, double stamp, const FrameImages& now,
+            const std::optional<Isometry3d>& motion, OdometryFrame& out) {
+    const bool unproven = may_be_carried = carried(candidate.location, now, motion);
+    if (unproven) {
+      second.unknown(stamp - trusted.stamp);
+    } else {
+      take_second(candidate.location, stamp, motion);
+    }
     covariance = covariance_of(candidate.location.pose);
     trusted.take(candidate.location.pose.T_CW, stamp, now.coarse());
+    trusted.middle = now.middle();
+    if (unproven) {
+      trusted.velocity.reset();
+      add_reason(out.reason, "what is tracked rests, the view does not: it may be carried");
+    }
     out.covariance_since_keyframe =
-        drift.since(keyframe.anchor, trusted.T_CW * keyframe.T_CW.inverse());
+        drift.since(keyframe.anchor, trusted.T_CW * keyframe.T_CW.inverse()) +
+        second.covariance_since(second_at_keyframe, trusted.T_CW);
     remember_pose();
+  }
+
+  /// What the frame says of the motion's prior, and of what moves against the world. Before the
+  /// pose is taken.
+  void take_second(const FrameLocation& location, double stamp,
+                   const std::optional<Isometry3d>& motion) {
+    const MotionExpectation expected = expectation(stamp, motion);
+    if (expected.prior != nullptr) {
+      const Vector6d change = log_se3(location.pose.T_CW * expected.T_CW.inverse());
+      (expected.prior == &as_before ? as_before : as_measured).add(change, expected.dt);
+    }
+    if (location.second) {
+      if (!second.seen()) {
+        second.begin(trusted.T_CW, trusted.stamp, trusted.velocity, location.second->log_odds);
+      }
+      second.see(location.pose.T_CW, location.second->T_CW, stamp);
+    } else if (second.seen() &&
+               stamp - second.stamp() > (options.max_misses + 0.5) * clock.period()) {
+      forget_second();
+    }
+  }
+  /// What was moving is out of sight.
+  void forget_second() {
+    second.end();
+    std::erase_if(tracks, [](const Track& t) { return t.moving; });
+  }
+  /// Whether the camera, at this pose, moves against the landmarks that were and are seen by less
+  /// than a pixel.
+  bool rests(const Isometry3d& T_CW) const {
+    std::vector<double> flow;
+    for (const Track& t : tracks) {
+      if (!t.inlier) continue;
+      const Vector3d was = trusted.T_CW * t.position, is = T_CW * t.position;
+      if (!(was.z() > 0.1 && is.z() > 0.1)) continue;
+      flow.push_back((camera.left.project(is) - camera.left.project(was)).norm());
+    }
+    return !flow.empty() && median(flow) < 1.0;
+  }
+
+  /// Whether what is tracked rests while the view does not: it may be carried. Before the pose is
+  /// taken.
+  bool carried(const FrameLocation& location, const FrameImages& now,
+               const std::optional<Isometry3d>& motion) const {
+    if (location.second || second.seen() || !rests(location.pose.T_CW)) return false;
+    if (motion && rests(motion->inverse() * trusted.T_CW)) return false;
+    return still_view(trusted.middle, now.middle()).moves(may_be_carried);
   }
 
   /// Covariance of a pose against the start.
@@ -268,6 +368,10 @@ struct StereoOdometry::Impl {
   /// long they live.
   void count() {
     for (Track& t : tracks) {
+      if (t.moving) {
+        t.misses = t.tracked ? 0 : t.misses + 1;
+        continue;
+      }
       if (!t.in_view) {
         ++t.misses;  // out of view for long: gone, it would be found from a keyframe
         continue;
@@ -296,6 +400,7 @@ struct StereoOdometry::Impl {
     const ImageGrid cells = grid(corner_cell());
     std::vector<char> taken(cells.cells(), 0);
     std::erase_if(tracks, [&](const Track& t) {
+      if (t.moving) return false;
       char& full = taken[cells.cell(t.left)];
       if (full) {
         given_up.push_back(t.id);
@@ -310,10 +415,12 @@ struct StereoOdometry::Impl {
   /// found where its image has none.
   void begin_keyframe(FrameImages now, bool in_background) {
     keyframe = {++newest_anchor, trusted.T_CW, {}};
+    second_at_keyframe = second.sum();
+    keyframe_stamp = trusted.stamp;
     std::vector<Vector2f> occupied;
     for (Track& t : tracks) {
       Keyframe::see(t);
-      if (t.inlier) occupied.push_back(t.left);
+      if (t.inlier || (t.moving && t.tracked)) occupied.push_back(t.left);
     }
     auto anchor = std::make_shared<Anchor>();
     anchor->id = newest_anchor;
@@ -321,6 +428,13 @@ struct StereoOdometry::Impl {
     anchor->T_CW = trusted.T_CW;
     search.emplace(std::move(anchor), trusted.coarse, images.left(), std::move(now.right),
                    std::move(occupied), options, in_background);
+  }
+
+  /// A view to come back to.
+  void remember_view(const Isometry3d& T_CW, const PyramidLevel& coarse) {
+    Recall recall{T_CW, coarse, tracks};
+    std::erase_if(recall.tracks, [](const Track& t) { return t.moving; });
+    recalls.add(std::move(recall));
   }
 
   /// Enters the landmarks that were found; waits for them. The keyframe is that of the newest
@@ -348,7 +462,7 @@ struct StereoOdometry::Impl {
       rows.push_back(m.row_error);
     }
     if (!rows.empty()) row_error = median(rows);
-    recalls.add({done.anchor()->T_CW, done.coarse(), tracks});
+    remember_view(done.anchor()->T_CW, done.coarse());
     return static_cast<int>(found.matches.size());
   }
 
@@ -376,7 +490,7 @@ struct StereoOdometry::Impl {
   /// The newest pose, just measured, for covariance_since().
   void remember_pose() {
     drift.add(of_frame(frame));
-    remembered[frame] = trusted.T_CW;
+    remembered[frame] = {trusted.T_CW, second.sum()};
   }
 
   /// A map begins at the trusted pose, with this frame alone. False if it has fewer than `least`
@@ -388,6 +502,8 @@ struct StereoOdometry::Impl {
     RecallMemory kept_recalls = std::exchange(recalls, RecallMemory(options.recovery_keyframes));
     trusted.velocity.reset();
     trusted.coarse = now.coarse();
+    trusted.middle = now.middle();
+    trusted.stamp = stamp;
     begin_keyframe(std::move(now), false);
     out.matched = enter_landmarks(true);
     out.times.keyframe += watch.lap();
@@ -402,7 +518,6 @@ struct StereoOdometry::Impl {
     drift.begin(keyframe.anchor, covariance);
     remembered.clear();
     remember_pose();
-    trusted.stamp = stamp;
     out.keyframe = true;
     out.expected = out.tracked = out.confirmed = out.matched;
     return true;
@@ -422,6 +537,7 @@ struct StereoOdometry::Impl {
 
   /// A frame that was not located; after long a map begins anew.
   OdometryFrame lost_frame(double stamp, FrameImages now, OdometryFrame& out) {
+    forget_second();
     for (Track& t : tracks) t.tracked = t.inlier = t.has_right = false;
     hold(stamp);
     const double since_good = stamp - trusted.stamp;
@@ -490,7 +606,12 @@ OdometryFrame StereoOdometry::Impl::process(double stamp, const ImageView& left,
   }
 
   watch.lap();
-  take(candidate, stamp, now, out);
+  take(candidate, stamp, now, motion, out);
+  if (!out.reason.empty()) state = Localization::kDegraded;
+  if (second.probability() > kDoubt) {
+    add_reason(out.reason, "two motions compete");
+    state = Localization::kDegraded;
+  }
   if (trusted.velocity) time_offset.update(camera, tracks, trusted.T_CW, *trusted.velocity);
   if (time_offset.out_of_step()) {
     out.out_of_step = time_offset.reason(clock.period());
@@ -502,6 +623,11 @@ OdometryFrame StereoOdometry::Impl::process(double stamp, const ImageView& left,
     const KeyframeEvidence evidence = keyframe.evidence(
         location, tracks, grid(static_cast<int>(corner_cell() * 2.0)), camera.left.width);
     out.keyframe_reason = keyframe_reason(evidence, options.keyframes);
+    // What it shows may tell.
+    if (may_be_carried && out.keyframe_reason.empty() &&
+        stamp - keyframe_stamp > TrustedPose::kLikely) {
+      out.keyframe_reason = "the view changes";
+    }
   }
   out.keyframe = !out.keyframe_reason.empty();
   if (out.keyframe) {
@@ -514,7 +640,7 @@ OdometryFrame StereoOdometry::Impl::process(double stamp, const ImageView& left,
   } else {
     std::erase_if(tracks, [&](const Track& t) { return t.misses > options.max_misses; });
     if (recalls.shift(tracks) > options.keyframes.max_shift * camera.left.width) {
-      recalls.add({trusted.T_CW, trusted.coarse, tracks});
+      remember_view(trusted.T_CW, trusted.coarse);
     }
   }
   forget_anchors();
@@ -549,6 +675,7 @@ std::shared_ptr<const LandmarkMap> StereoOdometry::landmarks(double horizon) con
   const double period = impl_->clock.period() > 0.0 ? impl_->clock.period() : 0.1;
   const int views = static_cast<int>(std::clamp(std::round(horizon / period), 1.0, 1000.0));
   for (const Track& t : impl_->tracks) {
+    if (t.moving) continue;
     Landmark landmark;
     landmark.id = t.id;
     landmark.position = t.position;
@@ -572,7 +699,8 @@ std::optional<Matrix6d> StereoOdometry::covariance_since(int frames) const {
   if (frames < 1 || now == remembered.end()) return std::nullopt;
   const auto then = remembered.find(impl_->frame - static_cast<std::uint64_t>(frames));
   if (then == remembered.end()) return std::nullopt;
-  return impl_->drift.since(of_frame(then->first), now->second * then->second.inverse());
+  return impl_->drift.since(of_frame(then->first), now->second.T_CW * then->second.T_CW.inverse()) +
+         impl_->second.covariance_since(then->second.second, now->second.T_CW);
 }
 
 }  // namespace prospect

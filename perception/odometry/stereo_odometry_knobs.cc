@@ -8,6 +8,7 @@
 #include "perception/odometry/corner_detector.h"
 #include "perception/odometry/disparity_offset.h"
 #include "perception/odometry/keyframe_policy.h"
+#include "perception/odometry/motion_prior.h"
 #include "perception/odometry/patch_tracker.h"
 #include "perception/odometry/pose_estimation.h"
 #include "perception/odometry/shared_errors.h"
@@ -80,6 +81,12 @@ void describe(Knobs& knobs, KeyframePolicyOptions& o) {
                "deviation of the pose over that at the time; more: a new one");
   knobs.number("significance", o.significance, {0.0, 1e3}, "1",
                "of the motion, below which the robot stands still");
+}
+
+void describe(Knobs& knobs, MotionPriorOptions& o) {
+  knobs.number("acceleration", o.acceleration, {0.001, 1e4}, "m/s2",
+               "standard deviation of the camera's, each axis, before its motion was seen");
+  knobs.number("turn_acceleration", o.turn_acceleration, {0.001, 1e5}, "rad/s2", "the same");
 }
 
 void describe(Knobs& knobs, PatchTrackerOptions& o) {
@@ -173,6 +180,7 @@ void describe(Knobs& knobs, StereoOdometryOptions& o) {
   knobs.group("time_offset", [&] { describe(knobs, o.time_offset); });
   knobs.group("calibration", [&] { describe(knobs, o.calibration); });
   knobs.group("shared_errors", [&] { describe(knobs, o.shared_errors); });
+  knobs.group("motion", [&] { describe(knobs, o.motion); });
   knobs.group("survival", [&] { describe(knobs, o.survival); });
 }
 

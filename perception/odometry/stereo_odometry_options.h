@@ -8,6 +8,7 @@
 #include "perception/odometry/corner_detector.h"
 #include "perception/odometry/disparity_offset.h"
 #include "perception/odometry/keyframe_policy.h"
+#include "perception/odometry/motion_prior.h"
 #include "perception/odometry/patch_tracker.h"
 #include "perception/odometry/pose_estimation.h"
 #include "perception/odometry/shared_errors.h"
@@ -28,6 +29,7 @@ struct StereoOdometryOptions {
   CameraTimeOffsetOptions time_offset;
   CalibrationErrorOptions calibration;
   SharedErrorOptions shared_errors;
+  MotionPriorOptions motion;
   TrackSurvival::Options survival;
 
   int pyramid_levels = 5;

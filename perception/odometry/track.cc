@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 
 namespace prospect {
 
@@ -65,10 +66,19 @@ void place_track(Track& track, const StereoCamera& camera, double offset) {
 
 TrackObservations observe_tracks(const std::vector<Track>& tracks, const Vector3d& sigma,
                                  double offset) {
-  TrackObservations out;
+  std::vector<int> index;
   for (std::size_t i = 0; i < tracks.size(); ++i) {
-    const Track& t = tracks[i];
-    if (!t.tracked) continue;
+    if (tracks[i].tracked && !tracks[i].moving) index.push_back(static_cast<int>(i));
+  }
+  return observe_tracks(tracks, std::move(index), sigma, offset);
+}
+
+TrackObservations observe_tracks(const std::vector<Track>& tracks, std::vector<int> index,
+                                 const Vector3d& sigma, double offset) {
+  TrackObservations out;
+  out.index = std::move(index);
+  for (const int i : out.index) {
+    const Track& t = tracks[static_cast<std::size_t>(i)];
     PointObservation o;
     o.T_WA = t.anchor->T_CW.inverse();
     o.measured << t.pixel.x(), t.pixel.y(), std::max(t.disparity + offset, 0.1);
@@ -81,7 +91,6 @@ TrackObservations observe_tracks(const std::vector<Track>& tracks, const Vector3
       o.right_variance = t.right_variance;
     }
     out.seen.push_back(o);
-    out.index.push_back(static_cast<int>(i));
   }
   return out;
 }

@@ -37,8 +37,9 @@ struct Track {
   /// Where it was at the last keyframe [px], if it was.
   Eigen::Vector2f at_keyframe = Eigen::Vector2f::Zero();
   bool seen_at_keyframe = false;
-  int misses = 0;  ///< in a row
-  int found = 0;   ///< in how many frames
+  bool moving = false;  ///< found to move against the world (second_motion.h)
+  int misses = 0;       ///< in a row
+  int found = 0;        ///< in how many frames
 
   // The newest frame.
   bool in_view = false;
@@ -79,7 +80,7 @@ bool in_full_view(const Track& track, const Eigen::Isometry3d& T_CW, const Stere
 /// disparity's zero corrected by `offset` [px] (disparity_offset.h).
 void place_track(Track& track, const StereoCamera& camera, double offset);
 
-/// What the newest frame saw of the landmarks that are tracked, as pose_estimation.h takes it.
+/// What the newest frame saw of some landmarks, as pose_estimation.h takes it.
 struct TrackObservations {
   std::vector<PointObservation> seen;
   std::vector<int> index;  ///< of each one's track
@@ -87,7 +88,12 @@ struct TrackObservations {
 
 /// `sigma`: standard deviations of (u, v, d) at the anchor [px] that all landmarks have in common,
 /// to which each one's texture adds its own; `offset` as in place_track().
+///
+/// Of those that are tracked and do not move.
 TrackObservations observe_tracks(const std::vector<Track>& tracks, const Eigen::Vector3d& sigma,
                                  double offset);
+/// Of these, which are tracked.
+TrackObservations observe_tracks(const std::vector<Track>& tracks, std::vector<int> index,
+                                 const Eigen::Vector3d& sigma, double offset);
 
 }  // namespace prospect

@@ -21,10 +21,11 @@ std::optional<TrackPrediction> begin_tracking(Track& t, const Eigen::Isometry3d&
 }  // namespace
 
 void track_coarse(std::vector<Track>& tracks, const Eigen::Isometry3d& T_CW,
-                  const ImagePyramid& left, int top, const StereoCamera& camera,
-                  const StereoOdometryOptions& options) {
+                  const std::optional<Eigen::Isometry3d>& moving_T_CW, const ImagePyramid& left,
+                  int top, const StereoCamera& camera, const StereoOdometryOptions& options) {
   for (Track& t : tracks) {
-    const auto start = begin_tracking(t, T_CW, camera, options.max_scale);
+    const auto start =
+        begin_tracking(t, t.moving ? moving_T_CW.value_or(T_CW) : T_CW, camera, options.max_scale);
     if (!start) continue;
     const TrackResult result = track_patch(t.anchor->left, t.pixel, left, {start->pixel, start->A},
                                            {top, 1}, false, options.tracking);
@@ -39,6 +40,7 @@ void track_fine(std::vector<Track>& tracks, const Eigen::Isometry3d& T_CW, const
                 const ImagePyramid& right, const StereoCamera& camera, double offset,
                 const StereoOdometryOptions& options) {
   for (Track& t : tracks) {
+    if (t.moving) continue;
     const auto start = begin_tracking(t, T_CW, camera, options.max_scale);
     if (!start) continue;
     const double depth = (T_CW * t.position).z();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <optional>
 #include <vector>
 
 #include "models/camera.h"
@@ -16,12 +17,13 @@ namespace prospect {
 /// left of every track. Deterministic; no state.
 ///
 /// First pass: the left image only, from level `top` of the pyramid down to level 1. Some of what
-/// it finds is wrong.
+/// it finds is wrong. Those that move are predicted at `moving_T_CW` instead; none: at T_CW, too.
 void track_coarse(std::vector<Track>& tracks, const Eigen::Isometry3d& T_CW,
-                  const ImagePyramid& left, int top, const StereoCamera& camera,
-                  const StereoOdometryOptions& options);
+                  const std::optional<Eigen::Isometry3d>& moving_T_CW, const ImagePyramid& left,
+                  int top, const StereoCamera& camera, const StereoOdometryOptions& options);
 
-/// Second pass: both images at full size, from a pose that is good to about a pixel. Sets right,
+/// Second pass: both images at full size, from a pose that is good to about a pixel, without those
+/// that move. Sets right,
 /// has_right, in_right and row_error, too. `offset`: correction of the disparity's zero [px].
 void track_fine(std::vector<Track>& tracks, const Eigen::Isometry3d& T_CW, const ImagePyramid& left,
                 const ImagePyramid& right, const StereoCamera& camera, double offset,

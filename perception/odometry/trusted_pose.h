@@ -16,6 +16,7 @@ struct TrustedPose {
   PyramidLevel coarse;  ///< the coarsest level of its left image
   /// xi per second, T_CW <- exp(velocity dt) T_CW, xi = (t, omega) in C; empty: not known.
   std::optional<Eigen::Matrix<double, 6, 1>> velocity;
+  PyramidLevel middle;  ///< a quarter of its left image's width, to see whether the view is still
 
   /// The newest pose of all, at `now` [s]. After more than a second the motion counts as not known.
   void take(const Eigen::Isometry3d& pose, double now, const PyramidLevel& image);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "solvers/sqp/stage_programme.h"
 
 #include <Eigen/Cholesky>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "engine/maps/floor_state.h"
 
 #include <gtest/gtest.h>

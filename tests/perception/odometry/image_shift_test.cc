@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstddef>
+#include <vector>
 
 #include "tests/perception/rendered_room.h"
 
@@ -26,6 +28,33 @@ TEST(ImageShift, FindsATurn) {
   ASSERT_TRUE(shift.has_value());
   EXPECT_NEAR(16.0 * shift->x(), camera.left.fx * std::tan(turn), 16.0);
   EXPECT_NEAR(16.0 * shift->y(), 0.0, 16.0);
+}
+
+TEST(ImageShift, OfAPart) {
+  // The left half has moved by 4 pixels, the right one not at all.
+  const RenderedRoom room;
+  const ImagePyramid pyramid(
+      room.render(StereoCamera().left, RenderedRoom::looking(0.2, 0.1, 1.1, 0.3), 2.0, 1).view(),
+      5);
+  const PyramidLevel& from = pyramid.level(4);
+  PyramidLevel to = from;
+  std::vector<char> left(static_cast<std::size_t>(from.width) * from.height, 0), right = left;
+  for (int v = 0; v < from.height; ++v) {
+    for (int u = 0; u < from.width; ++u) {
+      const std::size_t i = static_cast<std::size_t>(v) * from.width + u;
+      (2 * u < from.width ? left : right)[i] = 1;
+      if (2 * u < from.width && u >= 4)
+        to.pixels[static_cast<Eigen::Index>(i)] = from.row(v)[u - 4];
+    }
+  }
+  // What the moved half covers of the other one does not count.
+  for (std::size_t i = 0; i < left.size(); ++i) {
+    if (static_cast<int>(i) % from.width >= from.width / 2 - 4) left[i] = 0;
+  }
+  const auto moved = image_shift(from, to, 0.4, left), rests = image_shift(from, to, 0.4, right);
+  ASSERT_TRUE(moved && rests);
+  EXPECT_EQ(*moved, Eigen::Vector2d(4, 0));
+  EXPECT_EQ(*rests, Eigen::Vector2d(0, 0));
 }
 
 TEST(ImageShift, SaysNothingWithoutTexture) {

@@ -44,6 +44,7 @@
 #include "perception/odometry/corner_detector.h"
 #include "perception/odometry/disparity_offset.h"
 #include "perception/odometry/keyframe_policy.h"
+#include "perception/odometry/motion_prior.h"
 #include "perception/odometry/patch_tracker.h"
 #include "perception/odometry/pose_estimation.h"
 #include "perception/odometry/shared_errors.h"
@@ -341,11 +342,16 @@ TEST(KnobMembers, EveryNumberAndSwitchIsAKnob) {
     EXPECT_KNOBS(o, lasting, area, keyframe, left_right);
   }
   {
+    MotionPriorOptions o;
+    [[maybe_unused]] auto& [acceleration, turn_acceleration] = o;
+    EXPECT_KNOBS(o, acceleration, turn_acceleration);
+  }
+  {
     StereoOdometryOptions o;
     [[maybe_unused]] auto& [corners, matching, tracking, pose, keyframes, disparity_offset,
-                            time_offset, calibration, shared_errors, survival, pyramid_levels,
-                            sigma_corner, sigma_disparity, texture_noise, max_scale, max_misses,
-                            lost_points, degraded_points, lost_share, degraded_share,
+                            time_offset, calibration, shared_errors, motion, survival,
+                            pyramid_levels, sigma_corner, sigma_disparity, texture_noise, max_scale,
+                            max_misses, lost_points, degraded_points, lost_share, degraded_share,
                             lost_right_share, degraded_right_share, max_sigma_position, max_speed,
                             max_turn_rate, max_acceleration, max_turn_acceleration, max_gap,
                             recovery_keyframes, restart_after, background_mapping, seed] = o;

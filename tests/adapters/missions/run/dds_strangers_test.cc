@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Strangers on the network of a robot, of another vendor: they listen with another type, say how it
 // moves, command it, and let the emergency stop fall silent.
 #include <gtest/gtest.h>
