@@ -228,7 +228,7 @@ void FeatureSensors::find_place_again(const Pose& pose,
   const auto found = relocalize(observations, find, stereo_, stereo_mount_,
                                 odometry_.estimate(pose), drift.inverse());
   if (found) {
-    odometry_.relocalize(pose, *found);
+    odometry_.relocalize(pose, found->pose, found->covariance);
     relocalization_images_left_ = 0;
     if (loops_ && loops_->before_loss >= 0) begin_anchor(pose, loops_->before_loss);
   } else if (relocalization_images_left_ == 0) {

@@ -192,13 +192,16 @@ bool OdometryModel::image(const Pose& true_pose, const std::vector<Eigen::Vector
   return true;
 }
 
-void OdometryModel::relocalize(const Pose& true_pose, const Pose& found) {
+void OdometryModel::relocalize(const Pose& true_pose, const Pose& found,
+                               const Eigen::Matrix3d& covariance) {
   true_keyframe_ = true_pose;
   keyframe_ = found;
   // Without a loss there is nothing to forget.
   if (adrift_) {
     const Eigen::Matrix4d F = motion_jacobian(found.position - place_at_loss_);
     covariance_ = F * covariance_at_loss_ * F.transpose();
+    const Eigen::Vector3i planar(0, 1, 3);
+    covariance_(planar, planar) += covariance;
   }
   adrift_ = false;
 }

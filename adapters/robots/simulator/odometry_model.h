@@ -80,9 +80,10 @@ class OdometryModel {
 
   /// The pose was found again in the map of landmarks: the estimate at `true_pose` becomes `found`,
   /// and the covariance that of a pose here which owes its errors to that at which localization was
-  /// lost: the first of several losses, if the count of features wavered about the limit before the
-  /// pose was found.
-  void relocalize(const Pose& true_pose, const Pose& found);
+  /// lost, plus `covariance`, of (x, y, yaw), with which it was found in that map. Of several
+  /// losses it is the first, if the count of features wavered about the limit before the pose was
+  /// found.
+  void relocalize(const Pose& true_pose, const Pose& found, const Eigen::Matrix3d& covariance);
 
   /// The search was given up: what the loss added to the error stays.
   void accept_drift() { adrift_ = false; }

@@ -19,10 +19,10 @@ struct Match {
 
 }  // namespace
 
-std::optional<Pose> relocalize(const std::vector<FeatureObservation>& observations,
-                               const std::function<const Landmark*(std::uint32_t)>& find,
-                               const StereoCamera& stereo, const CameraMount& mount,
-                               const Pose& guess, const Eigen::Matrix3d& Omega, int least) {
+std::optional<FoundPose> relocalize(const std::vector<FeatureObservation>& observations,
+                                    const std::function<const Landmark*(std::uint32_t)>& find,
+                                    const StereoCamera& stereo, const CameraMount& mount,
+                                    const Pose& guess, const Eigen::Matrix3d& Omega, int least) {
   constexpr double kScale = 1.5, kViewChange = 0.5, kSlack = 0.02, kHuber = 1.5, kAgrees = 3.0;
   constexpr double kPlausible = 16.27;  // 99.9 % of chi-squared with 3 degrees of freedom
   const Eigen::Vector3d eye = camera_pose(guess, mount).translation();
@@ -47,6 +47,7 @@ std::optional<Pose> relocalize(const std::vector<FeatureObservation>& observatio
   if (static_cast<int>(matches.size()) < least) return std::nullopt;
 
   Eigen::Vector3d offset = Eigen::Vector3d::Zero();  // xi - xi_0
+  Eigen::Matrix3d information_at_end = Omega;
   int agreeing = 0;
   constexpr int kIterations = 20;
   for (int iteration = 0; iteration <= kIterations; ++iteration) {
@@ -69,16 +70,20 @@ std::optional<Pose> relocalize(const std::vector<FeatureObservation>& observatio
       H += weight * J.transpose() * information * J;
       g += weight * J.transpose() * information * r;
     }
-    if (iteration == kIterations) break;
+    if (iteration == kIterations) {
+      information_at_end = H;
+      break;
+    }
     const Eigen::Vector3d step = H.ldlt().solve(Eigen::Vector3d(-g));
     if (!step.allFinite()) return std::nullopt;
     offset += step;
   }
   if (agreeing < least || offset.dot(Omega * offset) > kPlausible) return std::nullopt;
-  Pose pose = guess;
-  pose.position.head<2>() += offset.head<2>();
-  pose.yaw += offset[2];
-  return pose;
+  FoundPose found{guess, information_at_end.inverse()};
+  if (!found.covariance.allFinite()) return std::nullopt;
+  found.pose.position.head<2>() += offset.head<2>();
+  found.pose.yaw += offset[2];
+  return found;
 }
 
 }  // namespace prospect

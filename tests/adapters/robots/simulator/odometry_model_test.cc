@@ -236,21 +236,25 @@ TEST(OdometryModel, FindingThePoseForgetsAllLossesSinceItWasKnown) {
     Pose found = pose;
     found.position.y() = 0.01;
     found.yaw = -0.02;
-    model.relocalize(pose, found);
-    // What a pose here owes to the one that was known, by the way between them as estimated.
+    const Eigen::Matrix3d of_match = Eigen::Vector3d(4e-4, 1e-4, 1e-5).asDiagonal();
+    model.relocalize(pose, found, of_match);
+    // What a pose here owes to the one that was known, by the way between them as estimated, and
+    // where there was something to find again what finding it was worth.
     const Eigen::Matrix4d& at = given_up ? between : known;
     Eigen::Matrix4d F = Eigen::Matrix4d::Identity();
     const Eigen::Vector3d way = found.position - (given_up ? place_between : place_known);
     F(0, 3) = -way.y();
     F(1, 3) = way.x();
-    EXPECT_NEAR((model.covariance(pose) - F * at * F.transpose()).norm(), 0.0, 1e-15);
-    EXPECT_EQ(model.covariance(pose)(3, 3), at(3, 3));
+    const Eigen::Vector3i planar(0, 1, 3);
+    Eigen::Matrix4d expected = F * at * F.transpose();
+    expected(planar, planar) += of_match;
+    EXPECT_NEAR((model.covariance(pose) - expected).norm(), 0.0, 1e-15);
     EXPECT_EQ(model.estimate(pose).position, found.position);
     EXPECT_EQ(model.estimate(pose).yaw, found.yaw);
     // Without a loss since, a second time changes the pose alone.
     drive(many, 10);
     const Eigen::Matrix4d later = model.covariance(pose);
-    model.relocalize(pose, found);
+    model.relocalize(pose, found, of_match);
     EXPECT_EQ(model.covariance(pose), later);
   }
 }
