@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes recordings for the command-line test: of a rendered room FOLDER/posed (7-Scenes layout) and
-// FOLDER/robot (numbered images without poses), of a room's outline FOLDER/lidar.log (CARMEN).
+// Writes recordings for the command-line test: of a rendered room FOLDER/posed (7-Scenes layout)
+// and FOLDER/robot (numbered images without poses), of a room's outline FOLDER/lidar.log (CARMEN).
 #include <fstream>
 #include <string>
 

@@ -13,9 +13,9 @@
 #include "adapters/missions/run/run_record.h"
 #include "engine/maps/belief.h"
 #include "runtime/camera_picture.h"
+#include "runtime/driver.h"
 #include "runtime/event_log.h"
 #include "runtime/health_report.h"
-#include "runtime/driver.h"
 
 namespace prospect {
 

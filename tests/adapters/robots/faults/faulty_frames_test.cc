@@ -34,7 +34,8 @@ struct Broken {
         options.scan_in_runtime_clock = options.poses_in_runtime_clock = true;
     return options;
   }
-  /// A pair, a depth image, a scan and a pose each 0.1 s until so many seconds after the start; what comes.
+  /// A pair, a depth image, a scan and a pose each 0.1 s until so many seconds after the start;
+  /// what comes.
   struct Came {
     std::vector<StereoFrame> pairs;
     std::vector<DepthFrame> depths;
