@@ -68,7 +68,7 @@ constexpr double kStallInfeasibility = 1e-4;
 /// no time less than this share of what it was: the restoration phase would go on to the last
 /// evaluation.
 constexpr int kStallWithoutPoint = 3;
-constexpr double kLessViolated = 0.99;
+constexpr double kViolationFalls = 0.99;
 
 bool is_reserved(std::string_view name) {
   // The Hessian is ours: what is said of it would have no effect.
@@ -315,7 +315,7 @@ class ReducedProblem final : public Ipopt::TNLP {
   /// Whether it is worth going on for a feasible point.
   bool lessens_violation(Ipopt::Index iteration) {
     const double violation = evaluator_.incumbent_violation();
-    if (violation < kLessViolated * stall_violation_) {
+    if (violation < kViolationFalls * stall_violation_) {
       stall_violation_ = violation;
       stall_begin_ = iteration;
     }
