@@ -18,7 +18,6 @@ namespace {
 constexpr double kCapHeight = 0.72;      // of a font's size
 constexpr double kLetterWidth = 0.65;    // of a font's size, about; sans-serif fonts are narrower
 constexpr double kStroke = 0.085;        // of a font's size
-constexpr double kHalo = 0.3;            // of a font's size, around its strokes
 constexpr double kHersheyHeight = 21.0;  // of a capital at scale 1 [px]
 constexpr int kFont = cv::FONT_HERSHEY_SIMPLEX;
 

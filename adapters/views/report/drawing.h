@@ -51,6 +51,8 @@ class Drawing {
   std::string png(double dots_per_inch = 600.0) const;
 
  private:
+  /// Around the letters, of a font's size.
+  static constexpr double kHalo = 0.3;
   struct Shape {
     enum class Kind { kRectangles, kLine, kCircle, kText } kind;
     std::vector<Rectangle> areas;

@@ -8,7 +8,6 @@
 namespace prospect {
 namespace {
 
-constexpr double kHalo = 0.3;      // of a font's size, around its letters
 constexpr double kRound = 0.5523;  // of a quarter of a circle as a cubic Bezier curve
 
 /// Helvetica's advances of the characters from ' ' to '~' [1/1000 of the size]: Adobe's AFM.
