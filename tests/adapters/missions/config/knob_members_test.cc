@@ -208,11 +208,11 @@ TEST(KnobMembers, EveryNumberAndSwitchIsAKnob) {
   {
     PlannerParameters o;
     [[maybe_unused]] auto& [N, dt, M, weights, w_c, desired_speed, terms, terms_left_out, d_safe,
-                            d_des, unknown, certificate_margin, drift_margin, drift_limit,
-                            lost_margin, committed, polished, polish_evaluations, solver_options,
-                            threads, deadline, map_resolution, max_landmarks, visibility_lattice,
-                            visibility, features, feature_prior, feature_attenuation,
-                            feature_occlusion, feature_covariance, max_targets,
+                            d_des, unknown, unseen_floor, step, certificate_margin, drift_margin,
+                            drift_limit, lost_margin, committed, polished, polish_evaluations,
+                            solver_options, threads, deadline, map_resolution, max_landmarks,
+                            visibility_lattice, visibility, features, feature_prior,
+                            feature_attenuation, feature_occlusion, feature_covariance, max_targets,
                             target_frontier_only, unknown_attenuation, frontier_planner, task,
                             zones, goal_unknown_price, return_unknown_price, behaviour] = o;
     auto& [w_u, w_du, w_o, w_l, w_e, w_T, w_h] = weights;
@@ -408,10 +408,10 @@ TEST(KnobMembers, EveryNumberAndSwitchIsAKnob) {
     PerceptionOptions o;
     [[maybe_unused]] auto& [stereo_mount, depth_camera, more_depth_cameras, odometry, mapping,
                             depth_mapping, scan_mapping, wheels, wheel_fusion, feature_density,
-                            start, start_in_space, same_time, max_age, max_leap, max_ahead,
-                            pose_degraded, pose_lost, most_waiting] = o;
-    EXPECT_KNOBS(o, wheels, same_time, max_age, max_leap, max_ahead, pose_degraded, pose_lost,
-                 most_waiting);
+                            start, start_floor, start_in_space, same_time, max_age, max_leap,
+                            max_ahead, pose_degraded, pose_lost, most_waiting] = o;
+    EXPECT_KNOBS(o, wheels, start_floor, same_time, max_age, max_leap, max_ahead, pose_degraded,
+                 pose_lost, most_waiting);
   }
   {
     FeatureDensityOptions o;
@@ -550,11 +550,12 @@ TEST(KnobMembers, EveryNumberAndSwitchOfDrivingIsAKnob) {
   }
   {
     RangeStopOptions o;
-    [[maybe_unused]] auto& [front, rear, left, right, corner_radius, lowest, highest, margin,
-                            reaction_time, deceleration, yaw_deceleration, max_age, least_points,
-                            least_valid, blind_speed] = o;
-    EXPECT_KNOBS(o, front, rear, left, right, corner_radius, lowest, highest, margin, reaction_time,
-                 deceleration, yaw_deceleration, max_age, least_points, least_valid, blind_speed);
+    [[maybe_unused]] auto& [front, rear, left, right, corner_radius, lowest, highest, floor, drop,
+                            margin, reaction_time, deceleration, yaw_deceleration, max_age,
+                            least_points, least_valid, blind_speed] = o;
+    EXPECT_KNOBS(o, front, rear, left, right, corner_radius, lowest, highest, floor, drop, margin,
+                 reaction_time, deceleration, yaw_deceleration, max_age, least_points, least_valid,
+                 blind_speed);
   }
   {
     DriveOptions o;
