@@ -176,8 +176,8 @@ FaultOutcome drive_with_fault(const std::shared_ptr<const World>& world,
     beliefs = std::make_unique<SimulatedStreams>(base, simulator, clock, inbox, frames,
                                                  base_options.belief_period);
   } else {
-    beliefs = std::make_unique<ToldBeliefs>(base, told_base, simulator, clock, inbox, frames,
-                                            base_options.belief_period, one.by, configuration);
+    beliefs = std::make_unique<ToldBeliefs>(told_base, simulator, clock, inbox, frames,
+                                            base_options.belief_period, configuration);
   }
   Watched watched(base, *beliefs, clock, one);
   Planner planner(configuration.robot, configuration.planner,

@@ -44,18 +44,16 @@ void ToldBase::told(const ExternalPose& pose) {
   told_.add(pose.stamp, pose.T_WB);
 }
 
-ToldBeliefs::ToldBeliefs(SimulatedBase& motors, ToldBase& base, Simulator& simulator,
-                         const Clock& clock, SensorInbox& inbox, FrameSink& frames, double period,
-                         LocalizedBy by, const Configuration& configuration)
-    : motors_(motors),
-      base_(base),
+ToldBeliefs::ToldBeliefs(ToldBase& base, Simulator& simulator, const Clock& clock,
+                         SensorInbox& inbox, FrameSink& frames, double period,
+                         const Configuration& configuration)
+    : base_(base),
       simulator_(simulator),
       clock_(clock),
       inbox_(inbox),
       frames_(frames),
       period_(period),
-      by_(by),
-      perception_(perception_of(configuration, simulator.true_pose(), by)),
+      perception_(perception_of(configuration, simulator.true_pose(), base.by())),
       updated_(clock.now()),
       random_(simulator.options().seed) {
   clear_start(perception_.map(), configuration, simulator.true_pose());
@@ -69,7 +67,7 @@ void ToldBeliefs::observe(const SensorFrame& measured) {
   const auto* scan = std::get_if<ScanFrame>(&measured);
   if (!scan) return;
   ScanFrame later = *scan;
-  later.stamp += motors_.start();
+  later.stamp += base_.motors().start();
   later.pose = nullptr;  // of a model of cameras
   frames_.observe(later);
 }
@@ -90,8 +88,8 @@ void ToldBeliefs::tell_pose() {
 std::shared_ptr<const Belief> ToldBeliefs::update(const std::stop_token& stop) {
   if (!clock_.wait_until(updated_ + period_, stop)) return nullptr;
   updated_ = clock_.now();
-  motors_.advance(updated_);
-  if (by_ == LocalizedBy::kPose) tell_pose();
+  base_.motors().advance(updated_);
+  if (base_.by() == LocalizedBy::kPose) tell_pose();
   while (const std::optional<SensorFrame> frame = inbox_.take()) feed(perception_, *frame);
   return perception_.belief();
 }

@@ -35,7 +35,7 @@ LocalizedBy localized_by(const std::string& name);
 class ToldBase final : public Base {
  public:
   /// base outlives it.
-  ToldBase(Base& base, LocalizedBy by, const PoseJumpOptions& jump)
+  ToldBase(SimulatedBase& base, LocalizedBy by, const PoseJumpOptions& jump)
       : base_(base), by_(by), told_(jump) {}
   std::string name() const override { return base_.name(); }
   std::optional<double> dead_man() const override { return base_.dead_man(); }
@@ -44,9 +44,11 @@ class ToldBase final : public Base {
   void stop() override { base_.stop(); }
   BaseReport report() override;
   void told(const ExternalPose& pose);
+  LocalizedBy by() const { return by_; }
+  SimulatedBase& motors() { return base_; }
 
  private:
-  Base& base_;
+  SimulatedBase& base_;
   const LocalizedBy by_;
   std::mutex mutex_;
   PoseVelocity told_;
@@ -59,9 +61,8 @@ class ToldBeliefs final : public BeliefSource, private FrameSink {
  public:
   /// frames: the inbox, or what stands before it. period: [s] from one belief to the next. All
   /// outlive it.
-  ToldBeliefs(SimulatedBase& motors, ToldBase& base, Simulator& simulator, const Clock& clock,
-              SensorInbox& inbox, FrameSink& frames, double period, LocalizedBy by,
-              const Configuration& configuration);
+  ToldBeliefs(ToldBase& base, Simulator& simulator, const Clock& clock, SensorInbox& inbox,
+              FrameSink& frames, double period, const Configuration& configuration);
   ~ToldBeliefs() override;
   ToldBeliefs(const ToldBeliefs&) = delete;
   ToldBeliefs& operator=(const ToldBeliefs&) = delete;
@@ -73,14 +74,12 @@ class ToldBeliefs final : public BeliefSource, private FrameSink {
   void observe(const SensorFrame& measured) override;  // by the simulator, in its time
   void tell_pose();
 
-  SimulatedBase& motors_;
   ToldBase& base_;
   Simulator& simulator_;
   const Clock& clock_;
   SensorInbox& inbox_;
   FrameSink& frames_;
   const double period_;
-  const LocalizedBy by_;
   PerceptionPipeline perception_;
   double updated_;  // [s]
   std::mt19937_64 random_;
