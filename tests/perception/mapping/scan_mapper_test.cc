@@ -33,7 +33,7 @@ TEST(ScanMapper, ObstaclesFloorAndWhatIsBelow) {
   ScanMapper mapper(options());
   DepthScan scan = wall();
   scan.hits.emplace_back(1.03, 0.30, -0.435);  // 0.01 m below the floor: floor
-  scan.hits.emplace_back(1.13, 0.30, -0.525);  // below: nothing
+  scan.hits.emplace_back(1.13, 0.30, -0.525);  // a drop
   scan.hits.emplace_back(9.0, 0.0, 0.0);       // beyond the range
   scan.misses.emplace_back(0.05, 4.0, 0.0);
   scan.hits.emplace_back(std::nan(""), 0.0, 0.0);
@@ -46,7 +46,9 @@ TEST(ScanMapper, ObstaclesFloorAndWhatIsBelow) {
   EXPECT_EQ(voxels->state(30, 0, 8), CellState::kOccupied);
   EXPECT_EQ(voxels->state(20, 0, 8), CellState::kFree);
   EXPECT_EQ(voxels->state(20, 6, -1), CellState::kOccupied) << "the floor is below z = 0";
-  EXPECT_EQ(voxels->state(22, 6, -2), CellState::kUnknown);
+  EXPECT_EQ(frame.below, 1);
+  EXPECT_EQ(voxels->state(18, 4, -1), CellState::kFree) << "where it went through the floor";
+  EXPECT_EQ(voxels->state(22, 6, -2), CellState::kFree);
   EXPECT_EQ(voxels->state(0, 40, 8), CellState::kFree) << "a ray that met nothing";
 }
 

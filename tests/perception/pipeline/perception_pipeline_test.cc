@@ -107,13 +107,14 @@ WheelSample wheels_at(double stamp) {
 
 double yaw_of(const Isometry3d& T) { return std::atan2(T.linear()(1, 2), T.linear()(0, 2)); }
 
-/// A lidar 0.35 m above the floor in a room of 4 m, in B; the robot stands in its middle.
-DepthScan lidar() {
+/// A lidar 0.35 m above the floor in a room of 4 m, in B; the robot stands in its middle. No two n
+/// see the same to the bit.
+DepthScan lidar(int n = 0) {
   DepthScan scan;
   scan.origin = {0.0, 0.0, 0.35};
   for (int i = 0; i < 360; ++i) {
     const double a = i * M_PI / 180.0;
-    const double range = 2.0 / std::max(std::abs(std::cos(a)), std::abs(std::sin(a)));
+    const double range = (2.0 + 1e-4 * n) / std::max(std::abs(std::cos(a)), std::abs(std::sin(a)));
     scan.hits.emplace_back(range * std::cos(a), range * std::sin(a), 0.35);
   }
   return scan;
@@ -473,7 +474,9 @@ TEST(PerceptionPipeline, MapsWithSeveralDepthSensorsEachFromWhereItIs) {
         DepthScan scan;
         scan.origin = {sensor == 0 ? 0.15 : -0.15, 0.0, 0.35};
         for (int i = -5; i <= 5; ++i) {
-          scan.hits.push_back(scan.origin + Vector3d(sensor == 0 ? 1.0 : -1.0, 0.02 * i, 0.0));
+          // Never the same twice, as of a lidar that hangs.
+          const double range = 1.0 + 1e-4 * k;
+          scan.hits.push_back(scan.origin + Vector3d(sensor == 0 ? range : -range, 0.02 * i, 0.0));
         }
         EXPECT_EQ(perception.scan(now, scan, sensor).state, InputState::kTaken) << sensor;
       }
@@ -497,11 +500,11 @@ TEST(PerceptionPipeline, MapsWithSeveralDepthSensorsEachFromWhereItIs) {
   for (int k = 0; k <= 5; ++k) {
     perception.external_pose(
         {.stamp = kBegin + 0.1 * k, .T_WB = body_transform(truth(kBegin + 0.1 * k))});
-    perception.scan(kBegin + 0.1 * k, lidar(), 0);
-    if (k <= 2) perception.scan(kBegin + 0.1 * k, lidar(), 1);
+    perception.scan(kBegin + 0.1 * k, lidar(k), 0);
+    if (k <= 2) perception.scan(kBegin + 0.1 * k, lidar(k), 1);
   }
   EXPECT_EQ(perception.belief()->stamps.ranges, kBegin + 0.2);
-  EXPECT_EQ(perception.scan(kBegin + 0.5, lidar(), 1).state, InputState::kTaken);
+  EXPECT_EQ(perception.scan(kBegin + 0.5, lidar(9), 1).state, InputState::kTaken);
   EXPECT_EQ(perception.belief()->stamps.ranges, kBegin + 0.5);
   EXPECT_EQ(perception.scan(kBegin + 0.5, lidar(), 1).state, InputState::kLate);
   EXPECT_EQ(perception.scan(kBegin + 0.6, lidar(), 16).reason, "of sensor 16; expected 0 to 15");
