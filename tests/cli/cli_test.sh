@@ -188,8 +188,10 @@ refused "value out of range" range.yaml:2: "planner.N: is '100000'; expected a w
 refused "unknown solver in a file" solver.yaml:3: "unknown solver 'nlop' (did you mean 'nlopt'?)" \
   "${explore[@]}" office --config solver.yaml
 printf 'simulator: {mapping: {core: 0.4}}\n' >old.yaml
-refused "a key by the name that it had" old.yaml:1: "simulator.mapping.core is perception.mapping.core now; expected" \
-  "${explore[@]}" office --config old.yaml
+timed_out "a key by the name that it had" "${explore[@]}" office --config old.yaml
+[[ "$err" == "prospect: old.yaml:1: simulator.mapping.core is perception.mapping.core now; it is read as that for one version more" ]] ||
+  fail "a key by the name that it had: '$err'"
+rm -rf run
 refused "a key that nothing reads" "--set perception.odometry.corners.cells=60" "expected simulator.sensors: camera" \
   "${explore[@]}" office --set perception.odometry.corners.cells=60
 refused "unknown key on the command line" "--set planner.weights.w_ee=1" "(did you mean 'w_e'?); expected" \
@@ -785,7 +787,7 @@ succeeds "report of a run" report first --figure path,map --out figures
 for file in path.png path.svg map.png map.svg; do
   [[ -s figures/$file ]] || fail "report wrote no $file"
 done
-[[ "$out" == figures/path.png$'\n'figures/path.svg$'\n'figures/map.png$'\n'figures/map.svg ]] || fail "report says '$out'"
+[[ "$out" == figures/path.svg$'\n'figures/path.png$'\n'figures/map.svg$'\n'figures/map.png ]] || fail "report says '$out'"
 cmp -s <(head -c 8 figures/path.png) <(printf '\x89PNG\r\n\x1a\n') || fail "path.png is no PNG"
 [[ "$(tail -n 1 figures/path.svg)" == "</svg>" ]] || fail "path.svg is cut"
 grep -q '>start</text>' figures/path.svg || fail "the path's start is not marked"
@@ -825,7 +827,7 @@ refused "report of a file" file "is no folder; expected" report file --figure pa
 refused "report of a folder of others" foreign/steps.csv "no such file; expected" report foreign --figure map --out run
 refused "report without a figure" first/report.html "expected --figure path, map" report first
 refused "report of an unknown figure" "'pth' (did you mean 'path'?)" "expected one of: path, map" report first --figure map,pth --out run
-refused "report in an unknown format" "'pdf'" "expected one of: png, svg" report first --figure map --format pdf --out run
+refused "report in an unknown format" "'gif'" "expected one of: svg, png, pdf, pgf" report first --figure map --format gif --out run
 refused "report by an unknown colour" "'sped' (did you mean 'speed'?)" "expected one of: plain" report first --figure path --colour sped --out run
 refused "report with a colour of no path" --colour "expected --figure path" report first --figure map --colour speed --out run
 refused "report into a file" file/below "expected a writable place" report first --figure map --out file/below

@@ -47,7 +47,6 @@ TEST(ScanMapper, ObstaclesFloorAndWhatIsBelow) {
   EXPECT_EQ(voxels->state(20, 0, 8), CellState::kFree);
   EXPECT_EQ(voxels->state(20, 6, -1), CellState::kOccupied) << "the floor is below z = 0";
   EXPECT_EQ(frame.below, 1);
-  EXPECT_EQ(voxels->state(18, 4, -1), CellState::kFree) << "where it went through the floor";
   EXPECT_EQ(voxels->state(22, 6, -2), CellState::kFree);
   EXPECT_EQ(voxels->state(0, 40, 8), CellState::kFree) << "a ray that met nothing";
 }
