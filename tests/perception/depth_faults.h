@@ -119,6 +119,12 @@ inline void expect_fault_noticed(const DepthFault& fault, DepthMapper& mapper, i
       EXPECT_EQ(mapper.map().ground()->revision(), revision);
       EXPECT_EQ(mapper.map().surface_voxels(), surface);
     }
+    // An image that comes again is a fault once the camera is elsewhere (repeated_content.h).
+    const Eigen::Isometry3d moved = before.T_WC.inverse() * frame.T_WC;
+    const bool stands = faulty && std::string(fault.name) == "frozen" &&
+                        moved.translation().norm() < 0.021 &&
+                        Eigen::AngleAxisd(moved.linear()).angle() < 0.021;
+    if (stands) continue;
     if (faulty || (!fault.apply && k == after)) {
       EXPECT_GE(out.state, fault.state) << k << " " << out.reason;
       if (k == first || !fault.apply) {  // later the image may be frozen as well

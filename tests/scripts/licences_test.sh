@@ -47,6 +47,7 @@ chmod +x "$clone/scripts/run"
 echo 'int a;' >"$clone/a.cc"
 echo 'p {}' >"$clone/a.css"
 echo 'words' >"$clone/a.md"
+export GIT_CEILING_DIRECTORIES="$work" # the build may be within a clone
 run "$clone/scripts/licences" --stamped
 ((code == 2)) && [[ "$err" == *"expected a clone of git"* ]] || fail "no clone: exit $code, '$err'"
 git -C "$clone" init --quiet && git -C "$clone" add .
