@@ -21,8 +21,7 @@ namespace {
 constexpr std::size_t kLeastSecond = 12, kSecondShare = 10;
 /// Parts of the image's width, to count what of it a motion covers.
 constexpr double kParts = 8.0;
-constexpr double kRest = 1.0;  ///< [px] of flow, below which the camera seems to rest
-constexpr int kAround = 2;     ///< [px of the coarsest level] that a missing landmark stands for
+constexpr int kAround = 2;  ///< [px of the coarsest level] that a missing landmark stands for
 
 }  // namespace
 
@@ -84,15 +83,15 @@ std::vector<int> FrameLocator::find_missing(std::vector<Track>& tracks,
   for (std::size_t i = 0; i < tracks.size(); ++i) {
     const Track& t = tracks[i];
     if (t.moving || !t.in_view) continue;
-    const Vector3d was = before.T_CW * t.position, is = T_CW * t.position;
-    if (!(was.z() > 0.1 && is.z() > 0.1)) continue;
+    const std::optional<double> moved = image_flow(camera_, t.position, before.T_CW, T_CW);
+    if (!moved) continue;
     if (t.tracked) {
-      flow.push_back((camera_.left.project(is) - camera_.left.project(was)).norm());
+      flow.push_back(*moved);
     } else {
       missing.push_back(static_cast<int>(i));
     }
   }
-  if (missing.size() < kLeastSecond || flow.empty() || median(flow) > kRest) return {};
+  if (missing.size() < kLeastSecond || flow.empty() || median(flow) > kRestingFlow) return {};
   const PyramidLevel& now = left_.level(left_.levels() - 1);
   const double scale = camera_.left.width / now.width;
   std::vector<char> part(static_cast<std::size_t>(now.width) * now.height, 0);

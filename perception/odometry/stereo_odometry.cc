@@ -309,11 +309,10 @@ struct StereoOdometry::Impl {
     std::vector<double> flow;
     for (const Track& t : tracks) {
       if (!t.inlier) continue;
-      const Vector3d was = trusted.T_CW * t.position, is = T_CW * t.position;
-      if (!(was.z() > 0.1 && is.z() > 0.1)) continue;
-      flow.push_back((camera.left.project(is) - camera.left.project(was)).norm());
+      const std::optional<double> moved = image_flow(camera, t.position, trusted.T_CW, T_CW);
+      if (moved) flow.push_back(*moved);
     }
-    return !flow.empty() && median(flow) < 1.0;
+    return !flow.empty() && median(flow) < kRestingFlow;
   }
 
   /// Whether what is tracked rests while the view does not: it may be carried. Before the pose is

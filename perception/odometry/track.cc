@@ -95,4 +95,12 @@ TrackObservations observe_tracks(const std::vector<Track>& tracks, std::vector<i
   return out;
 }
 
+std::optional<double> image_flow(const StereoCamera& camera, const Vector3d& position,
+                                 const Eigen::Isometry3d& from_T_CW,
+                                 const Eigen::Isometry3d& to_T_CW) {
+  const Vector3d was = from_T_CW * position, is = to_T_CW * position;
+  if (!(was.z() > 0.1 && is.z() > 0.1)) return std::nullopt;
+  return (camera.left.project(is) - camera.left.project(was)).norm();
+}
+
 }  // namespace prospect

@@ -96,4 +96,12 @@ TrackObservations observe_tracks(const std::vector<Track>& tracks, const Eigen::
 TrackObservations observe_tracks(const std::vector<Track>& tracks, std::vector<int> index,
                                  const Eigen::Vector3d& sigma, double offset);
 
+/// [px] by which a point `position` in W moves in the left image from one pose to another. None: it
+/// is less than 0.1 m before one of them.
+std::optional<double> image_flow(const StereoCamera& camera, const Eigen::Vector3d& position,
+                                 const Eigen::Isometry3d& from_T_CW,
+                                 const Eigen::Isometry3d& to_T_CW);
+/// [px] of flow, in the median, below which a camera seems to rest.
+inline constexpr double kRestingFlow = 1.0;
+
 }  // namespace prospect

@@ -134,7 +134,11 @@ TEST(NearestFrontierParameters, LeaveTheChoiceOfTheNearestOnly) {
   const PlannerParameters before = configuration().planner;
   const PlannerParameters p = nearest_frontier_parameters(before);
   ASSERT_TRUE(p.frontier_planner.rule);
-  EXPECT_EQ(p.frontier_planner.rule({{4, 9.0, 3.0}, {7, 0.2, 2.0}, {9, 5.0, 2.5}}, 0), 1);
+  const std::vector<FrontierCandidate> candidates{
+      {.frontier = 4, .area = 9.0, .cost = 1.0, .time = 1.0, .path = 3.0, .length = 1.0},
+      {.frontier = 7, .area = 0.2, .cost = 9.0, .time = 9.0, .path = 2.0, .length = 1.0},
+      {.frontier = 9, .area = 5.0, .cost = 5.0, .time = 5.0, .path = 2.5, .length = 1.0}};
+  EXPECT_EQ(p.frontier_planner.rule(candidates, 0), 1) << "the shortest path";
   EXPECT_GT(p.frontier_planner.reconsider, 1e6) << "kept until it is seen";
   EXPECT_EQ(p.weights.visible_features, 0.0);
   EXPECT_TRUE(p.target_frontier_only);

@@ -47,13 +47,13 @@ std::optional<FoundPose> relocalize(const std::vector<FeatureObservation>& obser
   if (static_cast<int>(matches.size()) < least) return std::nullopt;
 
   Eigen::Vector3d offset = Eigen::Vector3d::Zero();  // xi - xi_0
-  Eigen::Matrix3d information_at_end = Omega;
+  Eigen::Matrix3d H = Omega;
   int agreeing = 0;
   constexpr int kIterations = 20;
   for (int iteration = 0; iteration <= kIterations; ++iteration) {
     const Eigen::Matrix2d R = Eigen::Rotation2Dd(guess.yaw + offset[2]).toRotationMatrix();
     const Eigen::Vector2d shift = guess.position.head<2>() + offset.head<2>();
-    Eigen::Matrix3d H = Omega;
+    H = Omega;
     Eigen::Vector3d g = Omega * offset;
     agreeing = 0;
     for (const Match& m : matches) {
@@ -70,16 +70,13 @@ std::optional<FoundPose> relocalize(const std::vector<FeatureObservation>& obser
       H += weight * J.transpose() * information * J;
       g += weight * J.transpose() * information * r;
     }
-    if (iteration == kIterations) {
-      information_at_end = H;
-      break;
-    }
+    if (iteration == kIterations) break;
     const Eigen::Vector3d step = H.ldlt().solve(Eigen::Vector3d(-g));
     if (!step.allFinite()) return std::nullopt;
     offset += step;
   }
   if (agreeing < least || offset.dot(Omega * offset) > kPlausible) return std::nullopt;
-  FoundPose found{guess, information_at_end.inverse()};
+  FoundPose found{guess, H.inverse()};
   if (!found.covariance.allFinite()) return std::nullopt;
   found.pose.position.head<2>() += offset.head<2>();
   found.pose.yaw += offset[2];
