@@ -1,23 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The notebooks of the docs run as they are written, from top to bottom.
+"""The notebooks of the docs run as they are written, from top to bottom, and are stored with what they give."""
 
-With PROSPECT_FIGURES=FOLDER their figures are kept there, to be looked at.
-"""
-
-import contextlib
 import glob
-import io
-import json
+import importlib.machinery
+import importlib.util
 import os
 import sys
 import tempfile
 import unittest
 
 try:
-    import matplotlib
-
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
+    import matplotlib  # noqa: F401
     import numpy as np
     import scipy  # noqa: F401
     missing = ""
@@ -28,30 +21,32 @@ ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)
 NOTEBOOKS = sorted(glob.glob(os.path.join(ROOT, "docs", "notebooks", "*.ipynb")))
 
 
+def script(name):
+    sys.dont_write_bytecode = True
+    loader = importlib.machinery.SourceFileLoader(name, os.path.join(ROOT, "scripts", name))
+    module = importlib.util.module_from_spec(importlib.util.spec_from_loader(name, loader))
+    loader.exec_module(module)
+    return module
+
+
+def kinds(outputs):
+    """Of each cell, whether it prints, and how many figures it draws."""
+    return [(any("text" in o for o in cell), sum("image/png" in o.get("data", {}) for o in cell)) for cell in outputs]
+
+
 class NotebooksTest(unittest.TestCase):
     def run_notebook(self, path):
-        """Its figures, what it printed, and its names."""
-        with open(path, encoding="utf-8") as file:
-            cells = json.load(file)["cells"]
-        name = os.path.splitext(os.path.basename(path))[0]
-        kept = os.environ.get("PROSPECT_FIGURES")
-        space, figures, printed = {"__name__": "__main__"}, 0, io.StringIO()
-        for n, cell in enumerate(cells):
-            if cell["cell_type"] != "code":
-                continue
-            self.assertEqual(cell["outputs"], [], f"{name}: cell {n} is stored with its output")
-            with contextlib.redirect_stdout(printed):
-                exec(compile("".join(cell["source"]), f"{name}[{n}]", "exec"), space)
-            for number in plt.get_fignums():
-                figures += 1
-                buffer = io.BytesIO()
-                plt.figure(number).savefig(buffer, format="png")
-                self.assertGreater(len(buffer.getvalue()), 4000, f"{name}: figure {figures} is empty")
-                if kept:
-                    with open(os.path.join(kept, f"{name}_{figures}.png"), "wb") as file:
-                        file.write(buffer.getvalue())
-            plt.close("all")
-        return figures, printed.getvalue(), space
+        """Its names."""
+        notebooks = script("notebooks")
+        notebook, name = notebooks.read(path), os.path.basename(path)
+        given, space = notebooks.run(notebook, name)
+        stored = [cell["outputs"] for cell in notebook["cells"] if cell["cell_type"] == "code"]
+        self.assertEqual(kinds(stored), kinds(given), f"{name} is stored with other outputs: scripts/notebooks {name}")
+        pictures = [o["data"]["image/png"] for cell in given for o in cell if "data" in o]
+        self.assertGreaterEqual(len(pictures), 2, name)
+        for n, picture in enumerate(pictures):
+            self.assertGreater(len(picture), 5000, f"{name}: figure {n + 1} is empty")
+        return space
 
     def check_costs(self, steps, parts):
         """Costs times the weights in effect make up the cost that was recorded."""
@@ -72,12 +67,9 @@ class NotebooksTest(unittest.TestCase):
             try:
                 for path in NOTEBOOKS:
                     with self.subTest(os.path.basename(path)):
-                        figures, printed, space = self.run_notebook(path)
-                        self.assertGreaterEqual(figures, 2)
+                        space = self.run_notebook(path)
                         if os.path.basename(path) == "look_at_a_mission.ipynb":
                             self.check_costs(space["steps"], space["parts"])
-                        if os.environ.get("PROSPECT_FIGURES"):
-                            print(printed)
             finally:
                 os.chdir(before)
 
