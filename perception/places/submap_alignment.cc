@@ -28,20 +28,6 @@ PlanarMove about(const Eigen::Vector2d& c, const Eigen::Vector3d& d) {
   return {c + d.head<2>() - Eigen::Rotation2Dd(d[2]) * c, d[2]};
 }
 
-/// Less what it owes to the errors of the walls' directions, about 0.15 rad: those of a corridor
-/// seem to say a little of what lies along it.
-Eigen::Matrix3d without_noise(const Eigen::Matrix3d& information) {
-  constexpr double kOfDirections = 0.02;  // variance
-  const Eigen::Vector3d scale(1.0, 1.0, 1.0 / kArm);
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(scale.asDiagonal() * information *
-                                                             scale.asDiagonal());
-  const double noise = kOfDirections * information.topLeftCorner<2, 2>().trace();
-  const Eigen::Vector3d left = (eigen.eigenvalues().array() - noise).max(0.0);
-  const Eigen::Vector3d back = scale.cwiseInverse();
-  return back.asDiagonal() * eigen.eigenvectors() * left.asDiagonal() *
-         eigen.eigenvectors().transpose() * back.asDiagonal();
-}
-
 struct Fit {
   PlanarMove move;
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
@@ -55,13 +41,11 @@ bool improve(const std::vector<SubmapSurface::Wall>& walls, const NearestWall& o
   int matched = 0;
   for (const SubmapSurface::Wall& wall : walls) {
     const Eigen::Vector3d q = fit.move(wall.at);
-    const SubmapSurface::Wall* nearest = other.nearest(q);
+    const Eigen::Vector2d n = Eigen::Rotation2Dd(fit.move.yaw) * wall.normal;
+    const SubmapSurface::Wall* nearest = other.nearest(q, n, wall.either);
     if (nearest == nullptr) continue;
     const Eigen::Vector2d off = q.head<2>() - nearest->at.head<2>();
     if (off.squaredNorm() > reach * reach) continue;
-    // Walls that face elsewhere are others.
-    const Eigen::Vector2d n = Eigen::Rotation2Dd(fit.move.yaw) * wall.normal;
-    if (std::abs(n.dot(nearest->normal)) < 0.8) continue;
     const double e = nearest->normal.dot(off) / kSigma;
     const double weight = 1.0 / (1.0 + e * e);
     const Eigen::Vector2d arm = q.head<2>() - centre;
@@ -79,23 +63,79 @@ bool improve(const std::vector<SubmapSurface::Wall>& walls, const NearestWall& o
   return true;
 }
 
-SubmapAlignment judged(const std::vector<SubmapSurface::Wall>& walls, const NearestWall& other,
-                       const PlanarMove& move) {
-  SubmapAlignment a;
+struct Judged {
+  SubmapAlignment alignment;
+  double likelihood = 0.0;  // its logarithm, of walls that are all independent
+};
+
+Judged judged(const std::vector<SubmapSurface::Wall>& walls, const NearestWall& other,
+              const PlanarMove& move) {
+  constexpr double kBound = kNearReach / kSigma;
+  static const double most = std::log(1.0 + kBound * kBound);
+  Judged end;
+  SubmapAlignment& a = end.alignment;
   a.move = move;
+  const Eigen::Rotation2Dd turn(move.yaw);
   int known = 0;
   for (const SubmapSurface::Wall& wall : walls) {
     const Eigen::Vector3d q = move(wall.at);
-    const SubmapSurface::Wall* nearest = other.nearest(q);
+    const SubmapSurface::Wall* nearest = other.nearest(q, turn * wall.normal, wall.either);
     const bool near =
         nearest != nullptr && (q - nearest->at).head<2>().squaredNorm() < kNearReach * kNearReach;
     if (!near && other.place(q) == NearestWall::Place::kUnknown) continue;
     ++known;
     a.matched += near;
+    if (!near) continue;
+    const double e = nearest->normal.dot((q - nearest->at).head<2>()) / kSigma;
+    end.likelihood += most - std::log(1.0 + e * e);
   }
   a.agreement = known > 0 ? static_cast<double>(a.matched) / known : 0.0;
   a.overlap = walls.empty() ? 0.0 : static_cast<double>(known) / static_cast<double>(walls.size());
-  return a;
+  return end;
+}
+
+/// Information about the centre, of a likelihood that is `end`'s at its place: walked along the
+/// eigenvectors of H, of which a turn counts by kArm. share: of walls that are independent.
+Eigen::Matrix3d walked(const std::vector<SubmapSurface::Wall>& walls, const NearestWall& other,
+                       const Eigen::Vector2d& centre, const Judged& end, const Eigen::Matrix3d& H,
+                       double share) {
+  constexpr double kFar = 0.6;  // [m]
+  constexpr double kFlat = 3.0 / (kFar * kFar);
+  constexpr double kGrowth = 1.4;
+  const Eigen::DiagonalMatrix<double, 3> scale(1.0, 1.0, 1.0 / kArm), back(1.0, 1.0, kArm);
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(scale * H * scale);
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+  for (int n = 0; n < 3; ++n) {
+    const Eigen::Vector3d direction = eigen.eigenvectors().col(n);
+    double area = 0.0, square = 0.0;
+    for (const double sense : {-1.0, 1.0}) {
+      // Steps grow with the way, so that both a sharp and a flat one are met. Trapezia.
+      double at = 0.0, weight = 1.0;
+      for (double step = 0.25 / std::sqrt(share * std::max(eigen.eigenvalues()[n], 1.0)); at < kFar;
+           step *= kGrowth) {
+        const double next = std::min(at + step, kFar);
+        const PlanarMove moved =
+            about(centre, scale * Eigen::Vector3d(sense * next * direction)) * end.alignment.move;
+        const double w = std::exp(
+            std::min(0.0, share * (judged(walls, other, moved).likelihood - end.likelihood)));
+        area += 0.5 * (weight + w) * (next - at);
+        square += 0.5 * (weight * at * at + w * next * next) * (next - at);
+        at = next, weight = w;
+      }
+    }
+    const double told = std::max(0.0, area / square - kFlat);
+    information += told * direction * direction.transpose();
+  }
+  return back * information * back;
+}
+
+/// By which (x, y, yaw) about the centre the second one lies off the first one.
+Eigen::Vector3d between(const PlanarMove& first, const PlanarMove& second,
+                        const Eigen::Vector2d& centre) {
+  const PlanarMove off = second * first.inverse();
+  Eigen::Vector3d d;
+  d << off(centre) - centre, std::remainder(off.yaw, 2.0 * M_PI);
+  return d;
 }
 
 /// Where to begin.
@@ -130,8 +170,13 @@ std::optional<SubmapAlignment> align(const SubmapSurface& one, const NearestWall
     for (std::size_t n = 0; n < kMostWalls; ++n) walls[n] = walls[n * walls.size() / kMostWalls];
     walls.resize(kMostWalls);
   }
-  std::optional<SubmapAlignment> best;
-  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+  const double share = kIndependent * static_cast<double>(one.walls().size()) /
+                       static_cast<double>(std::max<std::size_t>(1, walls.size()));
+  struct End {
+    Judged judged;
+    Eigen::Matrix3d information;
+  };
+  std::vector<End> ends;
   for (const PlanarMove& from : beginnings(guess, spread, centre)) {
     Fit fit{from, {}};
     bool found = true;
@@ -139,24 +184,40 @@ std::optional<SubmapAlignment> align(const SubmapSurface& one, const NearestWall
       const double reach = std::max(kNearReach, kFarReach * std::pow(0.87, n));
       found = improve(walls, other, centre, reach, fit);
     }
-    if (!found) continue;
-    const SubmapAlignment end = judged(walls, other, fit.move);
-    if (best && end.matched <= best->matched) continue;
-    best = end;
-    information = fit.information;
+    if (found) ends.push_back({judged(walls, other, fit.move), fit.information});
   }
-  if (!best || best->matched < kLeastMatched || best->agreement < kLeastAgreement) return {};
-  const double more =
-      walls.empty() ? 1.0
-                    : static_cast<double>(one.walls().size()) / static_cast<double>(walls.size());
+  if (ends.empty()) return {};
+  const End& best = *std::max_element(ends.begin(), ends.end(), [](const End& a, const End& b) {
+    return a.judged.likelihood < b.judged.likelihood;
+  });
+  SubmapAlignment found = best.judged.alignment;
+  if (found.matched < kLeastMatched || found.agreement < kLeastAgreement) return {};
   const Eigen::Matrix3d unmeasured =
       Eigen::Vector3d::Constant(1.0 / (kUnmeasured * kUnmeasured)).asDiagonal();
-  information = kIndependent * more * without_noise(information - unmeasured) + unmeasured;
-  best->covariance = information.inverse();
-  best->covariance = 0.5 * (best->covariance + best->covariance.transpose()).eval();
-  best->covariance.diagonal() +=
+  const Eigen::Matrix3d information =
+      walked(walls, other, centre, best.judged, best.information, share) + unmeasured;
+  found.covariance = information.inverse();
+  // Other ends: those that are not the same one, each once.
+  std::vector<Eigen::Vector3d> others = {Eigen::Vector3d::Zero()};
+  Eigen::Matrix3d square = Eigen::Matrix3d::Zero();
+  double weights = 1.0;
+  for (const End& end : ends) {
+    const Eigen::Vector3d off = between(found.move, end.judged.alignment.move, centre);
+    const bool met = std::any_of(others.begin(), others.end(), [&](const Eigen::Vector3d& o) {
+      const Eigen::Vector3d d = off - o;
+      return std::max(d.head<2>().norm(), kArm * std::abs(d[2])) < kSigma;
+    });
+    if (met) continue;
+    others.push_back(off);
+    const double weight = std::exp(share * (end.judged.likelihood - best.judged.likelihood));
+    weights += weight;
+    square += weight * off * off.transpose();
+  }
+  found.covariance += square / weights;
+  found.covariance = 0.5 * (found.covariance + found.covariance.transpose()).eval();
+  found.covariance.diagonal() +=
       Eigen::Vector3d(kStiff * kStiff, kStiff * kStiff, kStiffYaw * kStiffYaw);
-  return best;
+  return found;
 }
 
 }  // namespace prospect
