@@ -139,11 +139,10 @@ void MapLoops::align_next(const AnchoredMap& map) {
   if (b.evidence.empty()) return;
   const PlanarMove a_at = move_of(a.origin), b_at = move_of(b.origin);
   const PlanarMove guess = a_at * place(anchor_).inverse() * place(other) * b_at.inverse();
-  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
-  if (const auto covariance = graph_.covariance(other, anchor_)) {
-    const Eigen::Vector3i planar(0, 1, 5);
-    spread = turned((*covariance)(planar, planar), a.origin.yaw);
-  }
+  const auto covariance = graph_.covariance(other, anchor_);
+  if (!covariance) return;
+  const Eigen::Vector3i planar(0, 1, 5);
+  const Eigen::Matrix3d spread = turned((*covariance)(planar, planar), a.origin.yaw);
   const Eigen::Vector2d centre = a.origin.position.head<2>();
   const auto found =
       align(surfaces_[static_cast<std::size_t>(other)], *walls_, guess, spread, centre);

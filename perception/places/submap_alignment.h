@@ -19,20 +19,21 @@ struct SubmapAlignment {
   double overlap = 0;    ///< share of the one's walls that do
 };
 
-/// Aligns the walls of one submap with those of another one, in the plane:
-///   min over (x, y, yaw)  sum_i rho((n_i . (q_i - p_i)) / sigma),
+/// Aligns the walls of one submap with those of another one, in the plane. The most likely place,
+///   max over x = (x, y, yaw)  0.1 sum_i g_i(x) - (x - guess)^T spread^-1 (x - guess) / 2,
+///   g_i = max(0, rho(0.15 m / sigma) - rho_i),   rho_i = log(1 + (n_i . (q_i - p_i))^2 / sigma^2),
 /// q_i the wall of the one at the place of now, p_i the nearest wall of the other one that faces
-/// alike and n_i its normal, rho(e) = log(1 + e^2), over those within a reach that is drawn in from
-/// 0.6 to 0.15 m; Gauss-Newton, 15 iterations. Walls that the other one does not know count for
-/// nothing, so any part may overlap, seen from anywhere. Begun from several places: from `guess`,
-/// and where that is less sure than 0.1 m, from those around it, by twice its deviation, 0.5 m and
-/// 0.15 rad at most. The end of most likelihood counts,
-///   log L = k sum_i max(0, rho(0.15 m / sigma) - rho_i),
-/// k = 0.1: as if every tenth wall was independent, as walls of one scan share its error.
+/// alike and n_i its normal; as if every tenth wall was independent, as walls of one scan share its
+/// error. Gauss-Newton, 15 iterations, over walls within a reach that is drawn in from 0.6 to
+/// 0.15 m. Walls that the other one does not know count for nothing, so any part may overlap, seen
+/// from anywhere. Begun from several places: from `guess`, and where that is less sure than 0.1 m,
+/// from those around it, by twice its deviation, 0.5 m and 0.15 rad at most.
 ///
-/// Covariance: that of the likelihood. Along each eigenvector of the Hessian it is walked, to
-/// 0.6 m either way; v its variance there, the information is 1 / v less that of a likelihood that
-/// does not fall at all. So nothing is measured along a corridor, nor where walls repeat
+/// What is returned is what the walls say, without the guess: along each eigenvector of the Hessian
+/// their likelihood, 0.1 sum_i (g_i - g) with g the mean at the most likely place, is walked 0.6 m
+/// either way; mean m and variance v there with the guess, n and u of the guess alone,
+///   information = 1 / v - 1 / u,      mean = (m / v - n / u) / information,
+/// as in expectation propagation. So nothing is measured along a corridor, nor where walls repeat
 /// themselves. Ends that are likely, too, widen it by how far they lie off. Besides, each direction
 /// has (1 cm, 2 mrad): submaps are not stiff.
 ///

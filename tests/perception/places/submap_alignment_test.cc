@@ -92,7 +92,8 @@ TEST(SubmapAlignment, ACorridorSaysNothingOfWhatLiesAlongIt) {
   one.enter(20, [&](int n) { return drawn(corridor(0.1 * n, 0.01, generator), off); });
   other.enter(20, [&](int n) { return corridor(1.0 + 0.1 * n, 0.01, generator); });
   const NearestWall walls(other.evidence, other.surface, kR, other.table);
-  const auto found = align(one.surface, walls, {}, Eigen::Matrix3d::Zero(), {1.0, 0.0});
+  const Eigen::Matrix3d spread = Eigen::Vector3d(0.01, 0.01, 0.001).asDiagonal();
+  const auto found = align(one.surface, walls, {}, spread, {1.0, 0.0});
   ASSERT_TRUE(found);
   EXPECT_GT(std::sqrt(found->covariance(0, 0)), 1.0);
   EXPECT_LT(std::sqrt(found->covariance(1, 1)), 0.05);
