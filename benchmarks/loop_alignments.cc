@@ -37,6 +37,7 @@
 #include "benchmarks/program_options.h"
 #include "engine/support/quantile.h"
 #include "engine/support/stopwatch.h"
+#include "perception/mapping/anchored_map.h"
 #include "perception/places/map_loops.h"
 
 namespace prospect {
@@ -166,8 +167,8 @@ int main_program(int argc, char** argv) {
   const World world = load_world(run.world_source, world_options_for(configuration));
   SimulatorOptions options =
       simulator_options_for(configuration, static_cast<std::uint64_t>(request.seed));
-  options.loops = true;
   PerceptionOptions perception = configuration.perception;
+  perception.loops = true;
   perception.mapping = mapping_options(options, perception.mapping);
   const std::vector<PathStep> path = path_of(request.run, options.base_height);
   const Pose start = path.front().pose;
@@ -178,7 +179,8 @@ int main_program(int argc, char** argv) {
   std::size_t at = 0;
   ProcessorStopwatch clock;
   const auto note = [&](const Pose& pose) {
-    while (truth.size() < sensors.anchored()->anchors().size()) truth.push_back(pose);
+    while (truth.size() < sensors.straight_map()->anchored().anchors().size())
+      truth.push_back(pose);
   };
   const double period = 1.0 / options.image_rate;
   const int images_a_scan = std::max(1, static_cast<int>(options.image_rate / options.depth_rate));
@@ -202,8 +204,8 @@ int main_program(int argc, char** argv) {
   const double seconds = 1e-3 * clock.lap();
 
   Consistency steps, found, used, guesses;
-  const std::vector<MapAnchor>& anchors = sensors.anchored()->anchors();
-  const MapLoops& loops = *sensors.loops();
+  const std::vector<MapAnchor>& anchors = sensors.straight_map()->anchored().anchors();
+  const MapLoops& loops = sensors.straight_map()->loops();
   const auto between = [&](int a, int b) {
     return place(truth[static_cast<std::size_t>(a)]).inverse() *
            place(truth[static_cast<std::size_t>(b)]);

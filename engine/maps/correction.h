@@ -79,6 +79,12 @@ struct MovedPlaces {
   std::shared_ptr<const PlaceMoves> how;
 };
 
+/// A correction of kRobot or kAnchors that the map has followed.
+struct FollowedCorrection {
+  Correction correction;
+  std::shared_ptr<const PlaceMoves> moves;
+};
+
 /// Where W lies in M, and how that came about; a value that never changes.
 struct MapFrame {
   Pose origin;      ///< T_MW in the plane: of W's origin, in M; its z is 0

@@ -33,6 +33,25 @@ void LandmarkMemory::add(const LandmarkMap& now) {
   for (std::size_t i = 0; i + keep < order.size(); ++i) cells_.erase(order[i].second);
 }
 
+void LandmarkMemory::follow(const PlaceMoves& moves) {
+  std::vector<Seen> all;
+  all.reserve(cells_.size());
+  for (const auto& [cell, seen] : cells_) all.push_back(seen);
+  std::sort(all.begin(), all.end(), [](const Seen& a, const Seen& b) {
+    return std::pair(a.when, a.landmark.id) < std::pair(b.when, b.landmark.id);
+  });
+  cells_.clear();
+  for (Seen& seen : all) {
+    const PlanarMove move = moves.of_before(seen.landmark.position.head<2>());
+    seen.landmark.position = move(seen.landmark.position);
+    const Eigen::AngleAxisd turn(move.yaw, Eigen::Vector3d::UnitZ());
+    const Eigen::Matrix3d R = turn.toRotationMatrix();
+    seen.landmark.creation_direction = R * seen.landmark.creation_direction.eval();
+    seen.landmark.covariance = R * seen.landmark.covariance.eval() * R.transpose();
+    cells_[cell_of(seen.landmark)] = seen;  // of two in a cell, the newer one
+  }
+}
+
 std::shared_ptr<const LandmarkMap> LandmarkMemory::with_remembered(const LandmarkMap& now) const {
   auto map = std::make_shared<LandmarkMap>(now);
   std::unordered_set<std::uint64_t> held, ids;

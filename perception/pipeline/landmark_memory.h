@@ -7,6 +7,7 @@
 #include <unordered_map>
 
 #include "engine/maps/landmark_map.h"
+#include "engine/maps/place_moves.h"
 
 namespace prospect {
 
@@ -15,8 +16,8 @@ namespace prospect {
 ///
 /// Cells of 0.25 m in W hold what was last seen in each: about what a cell of the image sees 3 m
 /// away, in which the odometry keeps one landmark. A landmark is where the robot believed it
-/// to be then; nothing moves it afterwards. At most `most` are kept, those seen last.
-/// Thread-safety: one thread; maps never change. Deterministic. Source: ours.
+/// to be then; it moves with what the map is corrected by (follow()). At most `most` are kept,
+/// those seen last. Thread-safety: one thread; maps never change. Deterministic. Source: ours.
 class LandmarkMemory {
  public:
   explicit LandmarkMemory(std::size_t most = 4000) : most_(most) {}
@@ -26,6 +27,9 @@ class LandmarkMemory {
   /// `now`, and those remembered in other cells; with how crowded they are together
   /// (landmarks_per_cell.h).
   std::shared_ptr<const LandmarkMap> with_remembered(const LandmarkMap& now) const;
+
+  /// The places of what is remembered have moved.
+  void follow(const PlaceMoves& moves);
 
   std::size_t size() const { return cells_.size(); }
 

@@ -41,6 +41,9 @@ struct PerceptionOptions {
   bool wheels = true;
   WheelFusionOptions wheel_fusion;  ///< its `start` is not used
   FeatureDensityOptions feature_density;
+  /// Places that are seen again keep the map straight (straight_map.h). Of a body in the plane
+  /// whose pose is measured here: not from outside, where somebody else corrects it.
+  bool loops = false;
   /// Of B in W, where the first pair is taken; z, the height of B's origin above the floor, is
   /// kept.
   Pose start;

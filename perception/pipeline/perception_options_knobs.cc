@@ -15,6 +15,7 @@ void describe(Knobs& knobs, PerceptionOptions& o) {
   knobs.group("depth_mapping", [&] { describe(knobs, o.depth_mapping); });
   knobs.group("scan_mapping", [&] { describe(knobs, o.scan_mapping); });
   knobs.group("feature_density", [&] { describe(knobs, o.feature_density); });
+  knobs.boolean("loops", o.loops, "places that are seen again keep the map straight");
   knobs.number("same_time", o.same_time, {0.0, 1.0}, "s",
                "between stamps that are of one time: of a pair, of a pair and a depth image");
   knobs.number("max_age", o.max_age, {1e-3, 1000.0}, "s",

@@ -134,7 +134,14 @@ PerceptionPipeline::PerceptionPipeline(std::unique_ptr<Odometry> odometry,
       history_(options.max_age),
       pose_at_fix_(options.start) {
   check(options);
+  check_parameter(!options.loops || ((odometry_ || options.wheels) && !options.start_in_space),
+                  "perception", "loops", options.loops,
+                  "off where poses come from outside, or the body is free in space");
   if (camera) validate(*camera);
+  if (options.loops) {
+    straight_ = std::make_unique<StraightMap>(map_, options.start);
+    corrections_.expect();
+  }
   ScanMapper(scans_of(options), map_);  // says what is wrong with them now
   if (options.depth_camera) options_.more_depth_cameras.emplace(0, *options.depth_camera);
   for (const auto& [sensor, on_body] : options_.more_depth_cameras) {
@@ -164,6 +171,7 @@ InputResult PerceptionPipeline::stereo(const StampedPair& pair) {
   std::optional<Eigen::Isometry3d> motion;
   if (options_.wheels) motion = reader_.camera_motion(pose_at_fix_, fusion_.at(stamp).pose);
   frame_ = odometry_->process(stamp, pair.left, pair.right, motion);
+  lost_since_entry_ = lost_since_entry_ || frame_.state == Localization::kLost;
   const bool measured = frame_.tracked > 0 && frame_.state != Localization::kLost;
   motion_noise_.add(frame_, *odometry_);
   log_.note(InputSource::kStereo, {});
@@ -255,8 +263,13 @@ std::string PerceptionPipeline::take_correction(const ExternalPose& pose) {
 }
 
 InputResult PerceptionPipeline::correct(const Correction& correction) {
-  const Corrections::Answer answer =
-      corrections_.take(correction, pose(known_until().value_or(frame_.stamp)));
+  const Pose now = pose(known_until().value_or(frame_.stamp));
+  if (correction.kind == CorrectionKind::kRobot && straight_) {
+    const std::string why = corrections_.refuse(correction, now);
+    if (!why.empty()) return {InputState::kRefused, why};
+    if (straight_->move_robot(robot(now), correction)) return {};
+  }
+  const Corrections::Answer answer = corrections_.take(correction, now);
   if (answer.verdict == CorrectionVerdict::kTaken) return {};
   return {InputState::kRefused, answer.why};
 }
@@ -356,6 +369,7 @@ InputResult PerceptionPipeline::enter(const Waiting& input) {
     return {InputState::kRefused, mapped_.reason};
   }
   map_stamp_ = std::max(map_stamp_.value_or(input.stamp), input.stamp);
+  keep_straight(input.stamp, body->pose);
   std::string reason = mapped_.reason;
   if (!input.depth) {
     const std::size_t rays = input.scan.hits.size() + input.scan.misses.size();
@@ -366,6 +380,25 @@ InputResult PerceptionPipeline::enter(const Waiting& input) {
     }
   }
   return {InputState::kTaken, reason};
+}
+
+StraightMap::Robot PerceptionPipeline::robot(const Pose& pose) const {
+  const Eigen::Vector3i planar(0, 1, 3);
+  return {pose, options_.wheels
+                    ? fusion_.at(known_until().value_or(frame_.stamp)).covariance
+                    : Eigen::Matrix3d(body_covariance(frame_.T_WC, options_.stereo_mount.T_BC,
+                                                      frame_.covariance)(planar, planar))};
+}
+
+void PerceptionPipeline::keep_straight(double stamp, const Pose& pose) {
+  if (!straight_) return;
+  // What was drawn before a loss and what is drawn after it may lie apart.
+  if (std::exchange(lost_since_entry_, false)) straight_->begin_anchor(robot(pose));
+  const auto done = straight_->go_on(stamp, robot(pose));
+  if (!done) return;
+  const FollowedCorrection& followed = done->correction;
+  memory_.follow(*followed.moves);
+  corrections_.followed(followed.correction, pose, followed.moves);
 }
 
 std::optional<double> PerceptionPipeline::known_until() const {
@@ -517,6 +550,11 @@ std::shared_ptr<const Belief> PerceptionPipeline::belief(double stamp) {
   }
   if (!options_.start_in_space) belief.pose.position.z() = options_.start.position.z();
   belief.map_frame = corrections_.frame();
+  if (straight_) {
+    const Eigen::Vector3i planar(0, 1, 3);
+    belief.covariance(planar, planar) =
+        straight_->covariance({belief.pose, belief.covariance(planar, planar)});
+  }
   belief.stamps.map = map_stamp_.value_or(0.0);
   const std::optional<double> depth = log_.count(InputSource::kDepth).newest,
                               scan = log_.count(InputSource::kScan).newest;

@@ -30,6 +30,7 @@
 #include "perception/pipeline/landmark_memory.h"
 #include "perception/pipeline/perception_options.h"
 #include "perception/pipeline/pose_history.h"
+#include "perception/pipeline/straight_map.h"
 
 namespace prospect {
 
@@ -87,7 +88,9 @@ struct ExternalPose {
 /// So does a pose from outside that jumps while its odometry does not (ExternalPose::corrections):
 /// with T_MB as told, and the poses before, the robot goes on in W as the odometry did,
 ///   T_WB <- T_WB(before) T_OB(before)^-1 T_OB,    T_MW <- T_MB T_WB^-1.
-/// A pose whose correction is refused is refused, until one can be taken.
+/// A pose whose correction is refused is refused, until one can be taken. With options.loops the
+/// map is made of anchors, and follows what is seen again (straight_map.h): of kAnchors; kRobot,
+/// too.
 ///
 /// Frames. W: z up, the floor is z = 0. B: the body, in the plane or free in space
 /// (start_in_space). C: the left camera, at stereo_mount. The odometry begins at T_WB(start) T_BC.
@@ -179,6 +182,9 @@ class PerceptionPipeline {
   /// What became of all inputs of a source.
   const InputCount& input(InputSource source) const { return log_.count(source); }
 
+  /// Null: the map is as it was drawn.
+  const StraightMap* straight_map() const { return straight_.get(); }
+
   /// To begin with a map that was made before, or with the robot's place known to be free.
   OccupancyMapper& map() { return *map_; }
 
@@ -199,6 +205,10 @@ class PerceptionPipeline {
   MappedFrame enter_depth(const Waiting& input, const BodyPose& body);
   MappedFrame enter_scan(const Waiting& input, const BodyPose& body);
   void enter_waiting();
+  /// With the covariance of the newest pose.
+  StraightMap::Robot robot(const Pose& pose) const;
+  /// After something was entered from there.
+  void keep_straight(double stamp, const Pose& pose);
   bool ahead(double stamp) const;
   /// Stamp of the newest pose; none: the robot stands at the start.
   std::optional<double> known_until() const;
@@ -221,6 +231,8 @@ class PerceptionPipeline {
   VisualMotionReader reader_;
   WheelFusion fusion_;
   std::shared_ptr<OccupancyMapper> map_;
+  std::unique_ptr<StraightMap> straight_;   // null: the map is as it was drawn
+  bool lost_since_entry_ = false;           // in the map
   std::map<int, DepthMapper> mappers_;      // of each depth camera
   std::map<int, ScanMapper> scan_mappers_;  // of each sensor that has sent a scan
   BeliefBuilder builder_;

@@ -3,6 +3,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -11,6 +12,34 @@ namespace prospect {
 namespace {
 
 constexpr int kEdge = MapEvidence::kEdge;
+constexpr double kAlike = 0.8;  // cosine between walls that face alike
+
+bool is_free(const MapEvidence& evidence, const Eigen::Vector3d& p, double r,
+             const EvidenceTable& table) {
+  std::array<int, 3> v, brick;
+  for (std::size_t a = 0; a < 3; ++a) {
+    v[a] = static_cast<int>(std::floor(p[static_cast<Eigen::Index>(a)] / r));
+    brick[a] = static_cast<int>(std::floor(static_cast<double>(v[a]) / kEdge));
+  }
+  const auto found = evidence.bricks().find(brick);
+  if (found == evidence.bricks().end()) return false;
+  const EvidenceTable::State s = found->second.states[static_cast<std::size_t>(MapEvidence::voxel(
+      v[0] - brick[0] * kEdge, v[1] - brick[1] * kEdge, v[2] - brick[2] * kEdge))];
+  return s != EvidenceTable::kNothing && !table.is_surface(s);
+}
+
+/// To the side of it that is free nearer to it.
+SubmapSurface::Wall facing(const MapEvidence& evidence, const Eigen::Vector3d& p,
+                           const Eigen::Vector2d& normal, double r, const EvidenceTable& table) {
+  const Eigen::Vector3d n(normal.x(), normal.y(), 0.0);
+  for (double off = r; off < SubmapSurface::kAround + 0.5 * r; off += r) {
+    const bool there = is_free(evidence, p + off * n, r, table),
+               here = is_free(evidence, p - off * n, r, table);
+    if (there != here) return {p, there ? normal : Eigen::Vector2d(-normal), false};
+    if (there) break;
+  }
+  return {p, normal, true};
+}
 
 }  // namespace
 
@@ -59,7 +88,7 @@ SubmapSurface::SubmapSurface(const MapEvidence& evidence, double r, const Eviden
       const Eigen::Vector3d normal = eigen.eigenvectors().col(0);
       if (std::abs(normal.z()) > kUpright) continue;
       if (eigen.eigenvalues()[0] > kFlat * eigen.eigenvalues()[1]) continue;
-      walls_.push_back({p, normal.head<2>().normalized()});
+      walls_.push_back(facing(evidence, p, normal.head<2>().normalized(), r, table));
     }
   }
 }
@@ -83,7 +112,6 @@ NearestWall::NearestWall(const MapEvidence& evidence, const SubmapSurface& surfa
   const std::size_t volume = static_cast<std::size_t>(size_[0]) *
                              static_cast<std::size_t>(size_[1]) *
                              static_cast<std::size_t>(size_[2]);
-  nearest_.assign(volume, -1);
   place_.assign(volume, Place::kUnknown);
   const auto at = [this](int i, int j, int k) {
     return (static_cast<std::size_t>(k - low_[2]) * static_cast<std::size_t>(size_[1]) +
@@ -101,25 +129,40 @@ NearestWall::NearestWall(const MapEvidence& evidence, const SubmapSurface& surfa
     }
   }
   // Each wall is offered to the voxels around it, in its layer.
-  std::vector<float> least(volume, static_cast<float>(reach * reach));
+  std::vector<float> least[kSectors];
   const int around = static_cast<int>(std::ceil(reach / r));
-  for (std::size_t n = 0; n < walls_.size(); ++n) {
+  const auto offer = [&](std::size_t n, int sector) {
+    std::vector<float>& distance = least[sector];
+    std::vector<std::int32_t>& nearest = nearest_[sector];
+    if (nearest.empty()) {
+      nearest.assign(volume, -1);
+      distance.assign(volume, static_cast<float>(reach * reach));
+    }
     const Eigen::Vector3d& p = walls_[n].at;
     const int i = static_cast<int>(std::floor(p.x() / r)),
               j = static_cast<int>(std::floor(p.y() / r)),
               k = static_cast<int>(std::floor(p.z() / r));
-    if (k < low_[2] || k >= high[2]) continue;
+    if (k < low_[2] || k >= high[2]) return;
     for (int y = std::max(j - around, low_[1]); y <= std::min(j + around, high[1] - 1); ++y) {
       for (int x = std::max(i - around, low_[0]); x <= std::min(i + around, high[0] - 1); ++x) {
         const double dx = (x + 0.5) * r - p.x(), dy = (y + 0.5) * r - p.y();
         const float squared = static_cast<float>(dx * dx + dy * dy);
         const std::size_t v = at(x, y, k);
-        if (squared >= least[v]) continue;
-        least[v] = squared;
-        nearest_[v] = static_cast<std::int32_t>(n);
+        if (squared >= distance[v]) continue;
+        distance[v] = squared;
+        nearest[v] = static_cast<std::int32_t>(n);
       }
     }
+  };
+  for (std::size_t n = 0; n < walls_.size(); ++n) {
+    offer(n, sector(walls_[n].normal));
+    if (walls_[n].either) offer(n, sector(-walls_[n].normal));
   }
+}
+
+int NearestWall::sector(const Eigen::Vector2d& normal) {
+  const double turn = std::atan2(normal.y(), normal.x()) / (2.0 * M_PI);
+  return static_cast<int>(std::lround(turn * kSectors) + kSectors) % kSectors;
 }
 
 bool NearestWall::index(const Eigen::Vector3d& p, std::size_t& at) const {
@@ -140,10 +183,27 @@ NearestWall::Place NearestWall::place(const Eigen::Vector3d& p) const {
   return index(p, at) ? place_[at] : Place::kUnknown;
 }
 
-const SubmapSurface::Wall* NearestWall::nearest(const Eigen::Vector3d& p) const {
+const SubmapSurface::Wall* NearestWall::nearest(const Eigen::Vector3d& p,
+                                                const Eigen::Vector2d& normal, bool either) const {
   std::size_t at = 0;
-  if (!index(p, at) || nearest_[at] < 0) return nullptr;
-  return &walls_[static_cast<std::size_t>(nearest_[at])];
+  if (!index(p, at)) return nullptr;
+  const SubmapSurface::Wall* best = nullptr;
+  double least = std::numeric_limits<double>::infinity();
+  const int middle = sector(normal);
+  for (const int opposite : {0, kSectors / 2}) {
+    if (opposite != 0 && !either) break;
+    for (int by = -1; by <= 1; ++by) {
+      const std::vector<std::int32_t>& nearest =
+          nearest_[(middle + opposite + by + kSectors) % kSectors];
+      if (nearest.empty() || nearest[at] < 0) continue;
+      const SubmapSurface::Wall& wall = walls_[static_cast<std::size_t>(nearest[at])];
+      const double squared = (wall.at - p).head<2>().squaredNorm();
+      if (squared >= least || std::abs(wall.normal.dot(normal)) < kAlike) continue;
+      least = squared;
+      best = &wall;
+    }
+  }
+  return best;
 }
 
 }  // namespace prospect

@@ -16,7 +16,9 @@ namespace prospect {
 /// A place is where a voxel was hit (MapEvidence::Hit). Its direction is that in which the hits
 /// within kAround of it vary least, if that is upright to within 30 degrees, and they vary along
 /// some other at least four times as much, in variance: floors, edges and single points have none,
-/// and are left out.
+/// and are left out. Of its two sides a wall faces the one that is known to be free nearer to it
+/// (within 0.3 m): so the two sides of a partition are two walls. Where both are as near, it faces
+/// either.
 ///
 /// Thread-safety: concurrent reads are safe. Deterministic.
 class SubmapSurface {
@@ -25,7 +27,8 @@ class SubmapSurface {
 
   struct Wall {
     Eigen::Vector3d at = Eigen::Vector3d::Zero();      ///< [m]
-    Eigen::Vector2d normal = Eigen::Vector2d::Zero();  ///< of length 1, of either sense
+    Eigen::Vector2d normal = Eigen::Vector2d::Zero();  ///< of length 1, to where it faces
+    bool either = true;                                ///< it faces the opposite as well
   };
 
   SubmapSurface() = default;
@@ -37,8 +40,9 @@ class SubmapSurface {
   std::vector<Wall> walls_;
 };
 
-/// For each place near the walls of a submap which of them is nearest, in its layer of voxels: a
-/// distance field. And what is known of the place.
+/// For each place near the walls of a submap which of them is nearest, in its layer of voxels,
+/// among those that face alike: a distance field for each eighth of the circle. And what is known
+/// of the place.
 class NearestWall {
  public:
   /// reach [m]: of the field.
@@ -47,16 +51,20 @@ class NearestWall {
 
   enum class Place : std::uint8_t { kUnknown, kFree, kSurface };
   Place place(const Eigen::Vector3d& p) const;
-  /// Null: none within reach.
-  const SubmapSurface::Wall* nearest(const Eigen::Vector3d& p) const;
+  /// Of those that face as a wall does, to within 37 degrees, that is at p with this normal. Null:
+  /// none within reach.
+  const SubmapSurface::Wall* nearest(const Eigen::Vector3d& p, const Eigen::Vector2d& normal,
+                                     bool either) const;
 
  private:
+  static constexpr int kSectors = 8;
+  static int sector(const Eigen::Vector2d& normal);
   bool index(const Eigen::Vector3d& p, std::size_t& at) const;
 
   double r_ = 0.1;
   int low_[3] = {0, 0, 0}, size_[3] = {0, 0, 0};  // voxels
   std::vector<SubmapSurface::Wall> walls_;
-  std::vector<std::int32_t> nearest_;  // -1: none
+  std::vector<std::int32_t> nearest_[kSectors];  // -1: none; empty: none of this sector
   std::vector<Place> place_;
 };
 

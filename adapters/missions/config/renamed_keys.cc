@@ -17,6 +17,7 @@ const std::vector<RenamedKey>& renamed_keys() {
       {"simulator.camera.depth_mapping", "perception.depth_mapping"},
       {"simulator.camera.feature_density", "perception.feature_density"},
       {"simulator.landmarks.density", "perception.feature_density"},
+      {"simulator.loops", "perception.loops"},
       {"simulator.mapping", "perception.mapping"},
       {"simulator.map_resolution", "perception.mapping.resolution"},
       {"drive.odometry", "perception.odometry"},

@@ -193,6 +193,15 @@ void CameraSensors::enter(double stamp, const SensorFrame& ranges) {
   }
 }
 
+bool CameraSensors::correct(const Correction& correction) {
+  perception_.correct(correction);
+  return true;
+}
+
+PlanarMove CameraSensors::origin() const {
+  return perception_.straight_map() ? perception_.straight_map()->origin() : PlanarMove{};
+}
+
 std::shared_ptr<const Belief> CameraSensors::belief(double stamp, const Pose&, const Twist&) {
   return perception_.belief(stamp);
 }

@@ -56,6 +56,8 @@ class CameraSensors final : public SimulatedSensors {
   Pose estimate(double stamp, const Pose& true_pose) const override;
   Localization localization() const override { return perception_.frame().state; }
   int losses() const override { return losses_; }
+  bool correct(const Correction& correction) override;
+  PlanarMove origin() const override;
   std::string complaint() const override { return perception_.complaint(); }
   CameraPicture picture() const override;
 

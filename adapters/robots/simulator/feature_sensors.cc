@@ -13,10 +13,6 @@
 #include "adapters/robots/simulator/relocalization.h"
 #include "adapters/robots/simulator/view_features.h"
 #include "engine/maps/planar_error.h"
-#include "perception/mapping/anchored_map.h"
-#ifdef PROSPECT_LOOPS
-#include "perception/places/map_loops.h"
-#endif
 
 namespace prospect {
 namespace {
@@ -29,23 +25,6 @@ LandmarkBuilderOptions landmarks_of(const SimulatorOptions& options,
 }
 
 }  // namespace
-
-/// What keeps the map straight.
-struct FeatureSensors::Loops {
-  AnchoredMap map;
-  Pose last;             // estimated, of the newest scan
-  double way = 0.0;      // [m] since the anchor began, a radian as kMetresPerRadian
-  int before_loss = -1;  // anchor; -1: not lost
-  std::vector<Followed> followed{};
-  Eigen::Matrix3d sure;  // of (x, y, yaw) at the origin of the anchor `sure_at`, from the start
-  int sure_at = -1;      // -1: as odometry says
-#ifdef PROSPECT_LOOPS
-  MapLoops loops;
-
-  Loops(const std::shared_ptr<OccupancyMapper>& mapper, const Pose& start, bool aligns)
-      : map(mapper, start), last(start), loops(aligns) {}
-#endif
-};
 
 FeatureSensors::~FeatureSensors() = default;
 
@@ -66,12 +45,8 @@ FeatureSensors::FeatureSensors(const World& world, const SimulatorOptions& optio
   const bool corrected =
       std::any_of(options.corrections.begin(), options.corrections.end(),
                   [](const auto& c) { return c.kind == CorrectionKind::kRobot; });
-  if (options.loops || corrected) {
-#ifdef PROSPECT_LOOPS
-    loops_ = std::make_unique<Loops>(mapper_, start, options.loops);
-#else
-    throw std::invalid_argument("simulator: loops and corrections of the robot need Ceres");
-#endif
+  if (perception.loops || corrected) {
+    straight_ = std::make_unique<StraightMap>(mapper_, start, perception.loops);
   }
   if (options.map) mapper_->load(*options.map);
   const double z = start.position.z();
@@ -95,83 +70,34 @@ void FeatureSensors::scan(double stamp, const Pose& true_pose, SeenArea& seen) {
   keep_straight(stamp, true_pose);
 }
 
-void FeatureSensors::begin_anchor(const Pose& true_pose, std::optional<int> parent) {
+StraightMap::Robot FeatureSensors::robot(const Pose& true_pose) const {
   const Eigen::Vector3i planar(0, 1, 3);
-  loops_->map.begin(odometry_.estimate(true_pose), odometry_.covariance(true_pose)(planar, planar),
-                    parent);
-  loops_->last = odometry_.estimate(true_pose);
-  loops_->way = 0.0;
+  return {odometry_.estimate(true_pose), odometry_.covariance(true_pose)(planar, planar)};
 }
 
-void FeatureSensors::keep_straight([[maybe_unused]] double stamp, const Pose& true_pose) {
-  if (!loops_) return;
-  constexpr double kAnchorWay = 2.5, kMetresPerRadian = 0.3;  // [m], [m/rad]
-  const Pose now = odometry_.estimate(true_pose);
-  loops_->way += (now.position - loops_->last.position).head<2>().norm() +
-                 kMetresPerRadian * std::abs(now.yaw - loops_->last.yaw);
-  loops_->last = now;
-  if (loops_->way >= kAnchorWay) begin_anchor(true_pose);
-  loops_->map.note(now);
-#ifdef PROSPECT_LOOPS
-  auto done = loops_->loops.go_on(loops_->map, stamp);
+void FeatureSensors::keep_straight(double stamp, const Pose& true_pose) {
+  if (!straight_) return;
+  auto done = straight_->go_on(stamp, robot(true_pose));
   if (!done) return;
-  landmarks_.follow(done->moved.anchors);
-  loops_->sure = done->covariance;
-  loops_->sure_at = done->sure_at;
-  loops_->followed.push_back({std::move(done->correction), std::move(done->moved.places)});
-#endif
+  landmarks_.follow(done->anchors);
+  followed_.push_back(std::move(done->correction));
 }
 
 Eigen::Matrix4d FeatureSensors::covariance(const Pose& true_pose) const {
-  const Eigen::Matrix4d by_odometry = odometry_.covariance(true_pose);
-  if (!loops_ || loops_->sure_at < 0) return by_odometry;
+  Eigen::Matrix4d covariance = odometry_.covariance(true_pose);
+  if (!straight_) return covariance;
   const Eigen::Vector3i planar(0, 1, 3);
-  const MapAnchor& at = loops_->map.anchors()[static_cast<std::size_t>(loops_->sure_at)];
-  const Eigen::Vector2d way =
-      (odometry_.estimate(true_pose).position - at.origin.position).head<2>();
-  Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();
-  covariance(planar, planar) =
-      carried(loops_->sure, way) + added(at.covariance, way, by_odometry(planar, planar));
-  return 0.5 * (covariance + covariance.transpose());
+  covariance(planar, planar) = straight_->covariance(robot(true_pose));
+  return covariance;
 }
 
-std::vector<SimulatedSensors::Followed> FeatureSensors::followed() {
-  return loops_ ? std::exchange(loops_->followed, {}) : std::vector<Followed>();
+std::vector<FollowedCorrection> FeatureSensors::followed() { return std::exchange(followed_, {}); }
+
+bool FeatureSensors::move_robot(const Correction& correction, const Pose& true_pose) {
+  return straight_ && straight_->move_robot(robot(true_pose), correction);
 }
 
-bool FeatureSensors::move_robot([[maybe_unused]] const Correction& correction,
-                                [[maybe_unused]] const Pose& true_pose) {
-#ifdef PROSPECT_LOOPS
-  if (loops_) {
-    const Eigen::Vector3i planar(0, 1, 3);
-    const Pose robot = odometry_.estimate(true_pose);
-    if (!loops_->loops.move_robot(loops_->map, robot,
-                                  odometry_.covariance(true_pose)(planar, planar), correction)) {
-      return false;
-    }
-    loops_->last = robot;
-    loops_->way = 0.0;
-    return true;
-  }
-#endif
-  return false;
-}
-
-PlanarMove FeatureSensors::origin() const {
-#ifdef PROSPECT_LOOPS
-  if (loops_) return loops_->loops.origin();
-#endif
-  return {};
-}
-
-const AnchoredMap* FeatureSensors::anchored() const { return loops_ ? &loops_->map : nullptr; }
-
-const MapLoops* FeatureSensors::loops() const {
-#ifdef PROSPECT_LOOPS
-  if (loops_) return &loops_->loops;
-#endif
-  return nullptr;
-}
+PlanarMove FeatureSensors::origin() const { return straight_ ? straight_->origin() : PlanarMove{}; }
 
 void FeatureSensors::enter(double stamp, const SensorFrame& ranges) {
   const auto* scan = std::get_if<ScanFrame>(&ranges);
@@ -196,10 +122,10 @@ void FeatureSensors::image(double stamp, const Pose& pose, const Twist&) {
   for (const FeatureObservation& o : observations) points.push_back(o.true_point);
   const bool was_lost = odometry_.localization() == Localization::kLost;
   const bool keyframe = odometry_.image(pose, points);
-  if (loops_ && !was_lost && odometry_.localization() == Localization::kLost) {
+  if (straight_ && !was_lost && odometry_.localization() == Localization::kLost) {
     // Of several losses before the place is found, the first.
-    if (loops_->before_loss < 0) loops_->before_loss = loops_->map.open().id;
-    begin_anchor(pose);
+    if (before_loss_ < 0) before_loss_ = straight_->open_anchor();
+    straight_->begin_anchor(robot(pose));
   }
   find_place_again(pose, observations);
   // New points would carry the error of the loss.
@@ -208,7 +134,7 @@ void FeatureSensors::image(double stamp, const Pose& pose, const Twist&) {
     const double r = mapper_->options().resolution;
     landmarks_.update(observations, odometry_.estimate(pose), *mapper_->voxels(),
                       static_cast<double>(mapper_->surface_voxels()) * r * r,
-                      loops_ ? loops_->map.open().id : 0);
+                      straight_ ? straight_->open_anchor() : 0);
   }
 }
 
@@ -230,11 +156,11 @@ void FeatureSensors::find_place_again(const Pose& pose,
   if (found) {
     odometry_.relocalize(pose, found->pose, found->covariance);
     relocalization_images_left_ = 0;
-    if (loops_ && loops_->before_loss >= 0) begin_anchor(pose, loops_->before_loss);
+    if (before_loss_ >= 0) straight_->begin_anchor(robot(pose), before_loss_);
   } else if (relocalization_images_left_ == 0) {
     odometry_.accept_drift();
   }
-  if (loops_ && relocalization_images_left_ == 0) loops_->before_loss = -1;
+  if (relocalization_images_left_ == 0) before_loss_ = -1;
 }
 
 std::shared_ptr<const Belief> FeatureSensors::belief(double stamp, const Pose& true_pose,

@@ -16,11 +16,9 @@
 #include "adapters/robots/simulator/simulator_options.h"
 #include "models/robot_shape.h"
 #include "perception/mapping/occupancy_mapper.h"
+#include "perception/pipeline/straight_map.h"
 
 namespace prospect {
-
-class AnchoredMap;
-class MapLoops;
 
 /// Perception as a model, fast: features that are visible are tracked, the estimate drifts with how
 /// many there are (OdometryModel), is found again in the map of landmarks after a loss, and depth
@@ -44,18 +42,15 @@ class FeatureSensors final : public SimulatedSensors {
   Pose estimate(double stamp, const Pose& true_pose) const override;
   Localization localization() const override { return odometry_.localization(); }
   int losses() const override { return odometry_.losses(); }
-  std::vector<Followed> followed() override;
+  std::vector<FollowedCorrection> followed() override;
   bool move_robot(const Correction& correction, const Pose& true_pose) override;
   PlanarMove origin() const override;
 
   /// What keeps the map straight, for evaluation; null: nothing does.
-  const AnchoredMap* anchored() const;
-  const MapLoops* loops() const;
+  const StraightMap* straight_map() const { return straight_.get(); }
 
  private:
-  struct Loops;
-  /// From here on what is seen belongs to another anchor; parent: see AnchoredMap::begin().
-  void begin_anchor(const Pose& true_pose, std::optional<int> parent = std::nullopt);
+  StraightMap::Robot robot(const Pose& true_pose) const;
   void keep_straight(double stamp, const Pose& true_pose);
   /// Of the estimate's error in (x, y, z, yaw), with what loops have taken back of it.
   Eigen::Matrix4d covariance(const Pose& true_pose) const;
@@ -69,7 +64,9 @@ class FeatureSensors final : public SimulatedSensors {
   OdometryModel odometry_;
   LandmarkBuilder landmarks_;
   std::shared_ptr<OccupancyMapper> mapper_;
-  std::unique_ptr<Loops> loops_;  // null: the map is as it was drawn
+  std::unique_ptr<StraightMap> straight_;  // null: the map is as it was drawn
+  int before_loss_ = -1;                   // anchor; -1: not lost
+  std::vector<FollowedCorrection> followed_;
 
   std::vector<double> scan_stamps_;              // [s], of each depth sensor
   double scan_stamp_ = 0.0, image_stamp_ = 0.0;  // [s], of the newest

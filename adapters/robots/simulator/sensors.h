@@ -47,11 +47,10 @@ class SimulatedSensors {
   virtual int losses() const = 0;  ///< how often localization was lost
   /// What they have corrected of what they drew (correction.h) since the last call: of kAnchors, in
   /// order, and followed in all beliefs from now on.
-  struct Followed {
-    Correction correction;
-    std::shared_ptr<const PlaceMoves> moves;
-  };
-  virtual std::vector<Followed> followed() { return {}; }
+  virtual std::vector<FollowedCorrection> followed() { return {}; }
+  /// Somebody corrects. True: they take, or refuse, corrections themselves, and their beliefs say
+  /// so; none are left to followed() and move_robot() then.
+  virtual bool correct(const Correction& /*correction*/) { return false; }
   /// Somebody corrects the robot's place in what it has drawn (kRobot): false, if it cannot move.
   virtual bool move_robot(const Correction& /*correction*/, const Pose& /*true_pose*/) {
     return false;

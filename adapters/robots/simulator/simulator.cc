@@ -77,7 +77,9 @@ struct Simulator::Impl {
     } else {
       sensors = std::make_unique<FeatureSensors>(*world, o, perception, robot.pose(), cleared);
     }
-    if (!o.corrections.empty() || o.loops) corrections.expect();
+    if (o.sensors == Sensors::kModel && (!o.corrections.empty() || perception.loops)) {
+      corrections.expect();
+    }
     if (o.map) seen.know(*sensors->belief(time, robot.pose(), twist)->ground);
     scan();
     image();
@@ -95,6 +97,7 @@ struct Simulator::Impl {
       correction.T_new_old = body_transform({{told.x, told.y, 0.0}, told.yaw});
       correction.why = "as the mission was told";
       correction.kind = told.kind;
+      if (sensors->correct(correction)) continue;
       const Pose estimated = sensors->estimate(time, robot.pose());
       if (told.kind != CorrectionKind::kRobot) {
         corrections.take(correction, estimated);
@@ -106,7 +109,7 @@ struct Simulator::Impl {
   }
   void follow() {
     const Pose estimated = sensors->estimate(time, robot.pose());
-    for (SimulatedSensors::Followed& f : sensors->followed()) {
+    for (FollowedCorrection& f : sensors->followed()) {
       corrections.followed(f.correction, estimated, std::move(f.moves));
     }
   }

@@ -127,7 +127,6 @@ PerceptionOptions simulated_perception(const WheelNoise& wheels) {
 void describe(Knobs& knobs, SimulatorOptions& o) {
   knobs.choice("sensors", o.sensors, {"model", "camera"},
                "odometry as a model of its errors, or rendered images through perception");
-  knobs.boolean("loops", o.loops, "places that are seen again keep the map straight");
   knobs.number("depth_rate", o.depth_rate, {0.1, 1000.0}, "1/s", "depth images");
   knobs.number("image_rate", o.image_rate, {0.1, 1000.0}, "1/s", "stereo images");
   knobs.group("actuation", [&] { describe(knobs, o.actuation); });
@@ -157,10 +156,6 @@ std::string simulator_misfit(const SimulatorOptions& options, const OccupancyMap
         "the body is at heights from %.4g to %.4g m; expected it between perception.mapping.z_min, "
         "%.4g m, and z_max, %.4g m, the heights that are mapped",
         mapping.slice.z_min, mapping.slice.z_max, mapping.z_min, mapping.z_max);
-  }
-  if (options.loops && options.sensors != Sensors::kModel) {
-    return "simulator.loops is true with simulator.sensors camera; expected model: of what is seen "
-           "by images nothing is recognised";
   }
   if (const std::string range = range_misfit(mapping); !range.empty()) {
     return "robot.depth." + range;

@@ -94,8 +94,6 @@ struct SimulatorOptions {
 
   CameraSensorsOptions camera;
   std::vector<ScheduledCorrection> corrections{};  ///< by time
-  /// Places that are seen again keep the map straight (map_loops.h). Of Sensors::kModel.
-  bool loops = false;
 };
 
 /// The knobs (models/knobs.h): all that does not come from the robot, the world or the command

@@ -37,6 +37,22 @@ TEST(LandmarkMemory, HoldsWhatTheOdometryHasForgotten) {
   EXPECT_EQ(all->landmarks[0].id, 100u) << "those of now first";
 }
 
+TEST(LandmarkMemory, FollowsWhatTheMapIsCorrectedBy) {
+  LandmarkMemory memory;
+  memory.add(row_of_landmarks(1, 10, 0.05));
+  const PlanarMove move{Eigen::Vector2d(1.0, 0.0), 0.5 * M_PI};
+  memory.follow(PlaceMoves({{Eigen::Vector2d::Zero(), move, 0.0}}));
+  const auto all = memory.with_remembered({});
+  ASSERT_EQ(all->landmarks.size(), 10u);
+  for (const Landmark& l : all->landmarks) {
+    EXPECT_LT((l.position -
+               move(Eigen::Vector3d(0.05, 0.05 + 0.5 * (static_cast<double>(l.id) - 1.0), 0.55)))
+                  .norm(),
+              1e-12);
+    EXPECT_LT((l.creation_direction - Eigen::Vector3d::UnitY()).norm(), 1e-12);
+  }
+}
+
 TEST(LandmarkMemory, OnePlaceCountsOnce) {
   LandmarkMemory memory;
   memory.add(row_of_landmarks(1, 10, 0.05));

@@ -92,7 +92,8 @@ TEST(SubmapAlignment, ACorridorSaysNothingOfWhatLiesAlongIt) {
   one.enter(20, [&](int n) { return drawn(corridor(0.1 * n, 0.01, generator), off); });
   other.enter(20, [&](int n) { return corridor(1.0 + 0.1 * n, 0.01, generator); });
   const NearestWall walls(other.evidence, other.surface, kR, other.table);
-  const auto found = align(one.surface, walls, {}, Eigen::Matrix3d::Zero(), {1.0, 0.0});
+  const Eigen::Matrix3d spread = Eigen::Vector3d(0.01, 0.01, 0.001).asDiagonal();
+  const auto found = align(one.surface, walls, {}, spread, {1.0, 0.0});
   ASSERT_TRUE(found);
   EXPECT_GT(std::sqrt(found->covariance(0, 0)), 1.0);
   EXPECT_LT(std::sqrt(found->covariance(1, 1)), 0.05);
@@ -101,6 +102,24 @@ TEST(SubmapAlignment, ACorridorSaysNothingOfWhatLiesAlongIt) {
   const Eigen::Vector2d centre(1.0, 0.0);
   EXPECT_NEAR((error(centre) - centre).y(), 0.0, 0.02);
   EXPECT_NEAR(error.yaw, 0.0, 0.01);
+}
+
+TEST(SubmapAlignment, TheTwoSidesOfAPartitionAreTwoWalls) {
+  std::mt19937_64 generator(4);
+  const PlanarMove beyond{Eigen::Vector2d(0.0, 2.1), 0.0};
+  Submap one, other;
+  one.enter(20, [&](int n) { return corridor(0.1 * n, 0.01, generator); });
+  other.enter(20, [&](int n) { return drawn(corridor(0.1 * n, 0.01, generator), beyond); });
+  const NearestWall walls(other.evidence, other.surface, kR, other.table);
+  for (const double sigma : {0.05, 0.2}) {
+    const Eigen::Matrix3d spread = Eigen::Vector3d(sigma * sigma, sigma * sigma, 1e-4).asDiagonal();
+    EXPECT_FALSE(align(one.surface, walls, {}, spread, {1.0, 1.0})) << sigma;
+  }
+  int facing = 0;
+  for (const SubmapSurface::Wall& wall : one.surface.walls()) {
+    facing += !wall.either && wall.normal.y() * wall.at.y() < 0.0;
+  }
+  EXPECT_GT(facing, 0.9 * static_cast<double>(one.surface.walls().size())) << "to the corridor";
 }
 
 TEST(SubmapAlignment, DoesNotAlignWhatIsNoneOfIts) {

@@ -134,7 +134,7 @@ void add_simulator(Text& text, const Configuration& c) {
   const SimulatorOptions& o = c.simulator;
   text.add_all(guard_limits_for(c));
   add_world(text, c);
-  text.add(o.loops);
+  text.add(c.perception.loops);
   text.add(static_cast<int>(o.sensors)), text.add(o.depth_rate), text.add(o.image_rate);
   text.add_all(o.actuation), text.add_all(o.depth);
   for (const ScheduledCorrection& k : o.corrections) {
