@@ -195,7 +195,8 @@ FaultOutcome drive_with_fault(const std::shared_ptr<const World>& world,
                  .guard = guard,
                  .model = configuration.robot.model,
                  .dead_man = faulty_base.dead_man(),
-                 .inbox = &inbox},
+                 .inbox = &inbox,
+                 .pose_of_wheels = one.by == LocalizedBy::kWheels},
                 faulty, PreflightResult{.checks = {}, .yaw_checked = true}, {}, mission);
   watched.look_at(driver);
   driver.run(faulty_base, watched);

@@ -16,7 +16,7 @@ namespace {
 constexpr double kApart = 0.3;   // [s] between two samples that belong together
 constexpr double kGoesOn = 0.4;  // share of the time that passes, by which stamps grow at least
 constexpr double kHeld = 0.5, kForgotten = 4.0;  // [m] or [rad]
-constexpr double kFresh = 0.6;                   // [s] that the newest pose may be old
+constexpr double kFresh = 0.6;                   // [s] that the newest pose or sample may be old
 constexpr double kAgainst = 2.0;                 // weight of motion against all that was told
 constexpr std::array kSides = {1.0, -1.0};
 
@@ -42,7 +42,7 @@ std::string to_text(const Departure& d) {
 
 CommandFollowing::CommandFollowing(const CommandFollowingOptions& options,
                                    const ActuationDelay& delay)
-    : options_(options), delay_(delay) {
+    : options_(options), delay_(delay), gyro_rate_(options.gyro_bias) {
   check_knobs("command following", options_);
   check_knobs("command following: delay", delay_);
 }
@@ -97,7 +97,7 @@ void CommandFollowing::learn(Sums& sums, const Band& told, double measured, doub
 }
 
 void CommandFollowing::add(Witness& witness, double from, double until,
-                           const std::array<double, kAxes>& measured) {
+                           const std::array<double, kAxes>& measured, int first) {
   const double dt = until - from;
   const Bands bands = told_in(from, until);
   const auto farthest = [](const Band& band) {
@@ -110,6 +110,10 @@ void CommandFollowing::add(Witness& witness, double from, double until,
     const auto at = static_cast<std::size_t>(axis);
     const Band band = bands[at];
     const double m = measured[at];
+    if (axis < first) {
+      stands = stands && band.low == 0.0 && band.high == 0.0;
+      continue;
+    }
     const double least = axis == 2 ? options_.least_rate : options_.least_speed;
     // What slips, or is turned a little in W, moves to the side, too.
     const double across = axis == 2 ? 0.0 : farthest(bands[1 - at]);
@@ -183,28 +187,74 @@ void CommandFollowing::add_pose(double now, const Belief* belief) {
   newest_pose_ = belief->pose;
 }
 
+void CommandFollowing::add_gyro(double now, const BaseReport& base,
+                                std::span<const ImuSample> imu) {
+  const std::optional<GyroRate::Turn> turn = gyro_rate_.look(imu);
+  if (turn) {
+    const Bands bands = told_in(turn->from, turn->until);
+    const bool told = std::any_of(bands.begin(), bands.end(),
+                                  [](const Band& b) { return b.low != 0.0 || b.high != 0.0; });
+    if (!told && base.connected && base.velocity.linear.norm() <= options_.least_speed &&
+        std::abs(base.velocity.yaw_rate) <= options_.least_rate) {
+      gyro_rate_.stood(*turn);
+    }
+    if (gyro_rate_.knows_bias()) {
+      gyro_.stamp = turn->until;
+      add(gyro_, turn->from, turn->until, {0.0, 0.0, turn->rate}, kYaw);
+    }
+  }
+  if (gyro_.stamp && !(std::abs(now - *gyro_.stamp) <= kFresh)) gyro_.forget();
+}
+
+bool CommandFollowing::agrees(const Witness& witness, int axis) const {
+  const Sums& sums = witness.sums[static_cast<std::size_t>(axis)];
+  const auto most = [](const std::array<double, 2>& of) { return std::max(of[0], of[1]); };
+  return witness.stamp && (most(sums.more) >= 0.5 * limit(axis, true) ||
+                           most(sums.slower) >= 0.5 * limit(axis, true) ||
+                           most(sums.less) >= 0.5 * limit(axis, false));
+}
+
+std::optional<Departure> CommandFollowing::departure(int axis, std::size_t side) const {
+  const auto at = static_cast<std::size_t>(axis);
+  const double more = limit(axis, true), less = limit(axis, false);
+  const bool gyro = axis == kYaw && gyro_.stamp;
+  const bool by_wheels = agrees(wheels_, axis), by_pose = agrees(pose_, axis);
+  const bool by_gyro = gyro && agrees(gyro_, axis);
+  const auto made = [&](const Sums& sums, double by) {
+    std::string who;
+    for (const auto& [agreed, name] :
+         {std::pair(by_wheels, "wheels"), {by_pose, "pose"}, {by_gyro, "gyro"}}) {
+      if (agreed) who += (who.empty() ? "" : " and ") + std::string(name);
+    }
+    return Departure{axis, kSides[side] * by, sums.told.low, sums.told.high, sums.measured, who};
+  };
+  const Sums& wheels = wheels_.sums[at];
+  if ((wheels.more[side] >= more || wheels.slower[side] >= more || wheels.less[side] >= less) &&
+      (by_pose || by_gyro || (!pose_.stamp && !gyro))) {
+    return made(wheels, std::max({wheels.more[side], wheels.slower[side], wheels.less[side]}));
+  }
+  const Sums& pose = pose_.sums[at];
+  if (pose.more[side] >= 2.0 * more && (!gyro || by_gyro)) return made(pose, pose.more[side]);
+  const Sums& turned = gyro_.sums[at];
+  if (!gyro) return std::nullopt;
+  if (turned.more[side] >= more && (by_wheels || by_pose || !pose_.stamp)) {
+    return made(turned, turned.more[side]);
+  }
+  if ((turned.slower[side] >= more || turned.less[side] >= less) && (by_wheels || !pose_.stamp)) {
+    return made(turned, std::max(turned.slower[side], turned.less[side]));
+  }
+  return std::nullopt;
+}
+
 std::optional<Departure> CommandFollowing::look(double now, const BaseReport& base,
-                                                const Belief* belief) {
+                                                const Belief* belief,
+                                                std::span<const ImuSample> imu) {
   add_wheels(base);
   add_pose(now, belief);
-  const auto made = [](const Sums& sums, int axis, double by, const char* witness) {
-    return Departure{axis, by, sums.told.low, sums.told.high, sums.measured, witness};
-  };
+  add_gyro(now, base, imu);
   for (int axis = 0; axis < kAxes; ++axis) {
-    const Sums& wheels = wheels_.sums[static_cast<std::size_t>(axis)];
-    const Sums& pose = pose_.sums[static_cast<std::size_t>(axis)];
-    const double more = limit(axis, true), less = limit(axis, false);
-    // A pose that departs to the other side, as a picture does that stands still, denies nothing.
-    const auto most = [](const std::array<double, 2>& sums) { return std::max(sums[0], sums[1]); };
-    const bool confirmed = most(pose.more) >= 0.5 * more || most(pose.slower) >= 0.5 * more ||
-                           most(pose.less) >= 0.5 * less;
-    for (std::size_t k = 0; k < kSides.size(); ++k) {
-      if (wheels.more[k] >= more || wheels.slower[k] >= more || wheels.less[k] >= less) {
-        const double by = kSides[k] * std::max({wheels.more[k], wheels.slower[k], wheels.less[k]});
-        if (!pose_.stamp) return made(wheels, axis, by, "wheels");
-        if (confirmed) return made(wheels, axis, by, "wheels and pose");
-      }
-      if (pose.more[k] >= 2.0 * more) return made(pose, axis, kSides[k] * pose.more[k], "pose");
+    for (std::size_t side = 0; side < kSides.size(); ++side) {
+      if (auto found = departure(axis, side)) return found;
     }
   }
   return std::nullopt;

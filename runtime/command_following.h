@@ -4,11 +4,14 @@
 #include <array>
 #include <deque>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "engine/maps/belief.h"
+#include "models/imu_sample.h"
 #include "models/types.h"
 #include "runtime/base.h"
+#include "runtime/gyro_rate.h"
 #include "runtime/predicted_belief.h"
 
 namespace prospect {
@@ -21,6 +24,8 @@ struct CommandFollowingOptions {
   double hold = 0.1;          ///< [1] by which the share that it makes of commands may change
   double least_speed = 0.03;  ///< [m/s] that counts
   double least_rate = 0.05;   ///< [rad/s] that counts
+  /// [rad/s] most that a gyro may be off: above the zero-rate offset of data sheets, 5 deg/s.
+  double gyro_bias = 0.1;
   // What makes it a base that does not follow: more than it is told, or half as much the other
   // way, or another speed than it has held; a turn that is less leads elsewhere, too ...
   double more_distance = 0.1;  ///< [m]
@@ -44,7 +49,7 @@ struct Departure {
   double by = 0.0;                         ///< beyond what is allowed, with its sign [m] or [rad]
   double told_low = 0.0, told_high = 0.0;  ///< least and most that was told [m/s] or [rad/s]
   double measured = 0.0;                   ///< the newest, of the same
-  std::string witness;                     ///< "wheels", "pose", "wheels and pose"
+  std::string witness;                     ///< "wheels", "pose", "gyro", "wheels and pose", ...
 };
 /// "forward -0.58 of +0.60 m/s told: -0.11 m, by wheels and pose"
 std::string to_text(const Departure& departure);
@@ -56,11 +61,13 @@ std::string to_text(const Departure& departure);
 /// the most, hi, of the commands in force in [s - delay - lag, t]. A command that has expired may
 /// act or not, and so may one that was a stop: its band reaches to zero.
 ///
-/// Measured are the mean velocities m over [s, t] by two witnesses: the wheels (BaseReport), and
-/// the pose of the belief while it is localized. Each has sums a side of each axis, +1 and -1,
-/// never below zero, which grow by what is beyond the band and fall by what is within it (CUSUM,
-/// Page 1954), so a constant error of any size is found after a way of its own, and noise about
-/// zero never. With to = max(0, most told to that side), away = max(0, least told away from it):
+/// Measured are the mean velocities m over [s, t] by up to three witnesses: the wheels
+/// (BaseReport), the pose of the belief while it is localized, and of yaw the gyro (GyroRate) once
+/// its bias is known, which it learns while the base is told to stand and its wheels do. Each has
+/// sums a side of each axis, +1 and -1, never below zero, which grow by what is beyond the band and
+/// fall by what is within it (CUSUM, Page 1954), so a constant error of any size is found after a
+/// way of its own, and noise about zero never. With to = max(0, most told to that side), away =
+/// max(0, least told away from it):
 ///     more += w (side m - to - slip |(to, across)| - least_speed) dt
 ///     less += (away - slip |(away, across)| - least_speed - made) dt, made = max(0, -side m)
 ///     slower += the same, while made > least_speed: who moves was not stopped by anything
@@ -79,13 +86,17 @@ std::string to_text(const Departure& departure);
 /// One sample adds at most a third of the limit: one alone decides nothing. Who stands as it is
 /// told to begins the sums anew.
 ///
-/// A base does not follow
+/// A base does not follow, where a witness agrees that has half of what it takes on that axis, to
+/// whatever side (so a pose that stands still does not deny what others say),
 ///   * if by the wheels a sum is beyond its limit (more, slower: more_distance; less:
-///     less_distance; turn), and the pose, where it is known, has half of what it takes on that
-///     axis, to whatever side: wheels that lie are not a base that goes astray, and a pose that
-///     stands still does not deny what they say;
-///   * if by the pose alone it makes twice the limit of `more`. Less by the pose alone is no fault
-///     of the base: wheels slip, the body touches something, a picture stands still.
+///     less_distance; turn), and another witness agrees, or there is none: wheels that lie are not
+///     a base that goes astray;
+///   * if by the pose it makes twice the limit of `more`, and a gyro that is there agrees. Less by
+///     the pose alone is no fault of the base: wheels slip, the body touches something, a picture
+///     stands still;
+///   * if by the gyro a sum is beyond its limit, and the wheels agree, or of `more` the pose, or
+///     there is no pose. Wheels say what they were told, but a heading that is theirs alone is
+///     wrong once they slip; where there is a pose, who turns less than wheels say is not at fault.
 ///
 /// Thread-safety: one thread. Errors: the constructor throws std::invalid_argument on options out
 /// of range; numbers that are not finite, samples that are further than 0.3 s apart, and poses
@@ -97,11 +108,13 @@ class CommandFollowing {
 
   /// What the base is told from now on; times grow.
   void told(const ToldCommand& command);
-  /// belief: the newest; null: none.
-  std::optional<Departure> look(double now, const BaseReport& base, const Belief* belief);
+  /// belief: the newest, null: none, or none but that of the wheels. imu: what came since the look
+  /// before, oldest first.
+  std::optional<Departure> look(double now, const BaseReport& base, const Belief* belief,
+                                std::span<const ImuSample> imu = {});
 
  private:
-  static constexpr int kAxes = 3;
+  static constexpr int kAxes = 3, kYaw = 2;
   struct Band {
     double low = 0.0, high = 0.0;
   };
@@ -119,17 +132,25 @@ class CommandFollowing {
   };
 
   Bands told_in(double from, double until) const;
-  void add(Witness& witness, double from, double until, const std::array<double, kAxes>& measured);
+  /// Of the axes from `first` on.
+  void add(Witness& witness, double from, double until, const std::array<double, kAxes>& measured,
+           int first = 0);
   void learn(Sums& sums, const Band& told, double measured, double least, double dt) const;
   double unknown(const Sums& sums) const;  // u of the header
   void add_wheels(const BaseReport& base);
   void add_pose(double now, const Belief* belief);
+  void add_gyro(double now, const BaseReport& base, std::span<const ImuSample> imu);
   double limit(int axis, bool more) const;
+  /// Whether a witness is there, and has half of what it takes on an axis, to whatever side.
+  bool agrees(const Witness& witness, int axis) const;
+  /// To that side (0: +1, 1: -1), by whichever witness has enough.
+  std::optional<Departure> departure(int axis, std::size_t side) const;
 
   CommandFollowingOptions options_;
   ActuationDelay delay_;
   std::deque<ToldCommand> told_;
-  Witness wheels_, pose_;
+  Witness wheels_, pose_, gyro_;
+  GyroRate gyro_rate_;
   Pose newest_pose_;        // at pose_.stamp
   double pose_came_ = 0.0;  // [s] when it was looked at first
 };

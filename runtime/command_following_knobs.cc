@@ -13,6 +13,8 @@ void describe(Knobs& knobs, CommandFollowingOptions& o) {
                "by which the share that it makes of its commands may change");
   knobs.number("least_speed", o.least_speed, {0.001, 1.0}, "m/s", "that counts as motion");
   knobs.number("least_rate", o.least_rate, {0.001, 3.0}, "rad/s", "that counts as turning");
+  knobs.number("gyro_bias", o.gyro_bias, {0.0, 1.0}, "rad/s",
+               "most that a gyro may be off while the robot stands");
   knobs.number("more_distance", o.more_distance, {0.01, 10.0}, "m",
                "driven beyond what was told, or the other way, that stops the robot");
   knobs.number(

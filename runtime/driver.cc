@@ -115,6 +115,20 @@ class StreamJumps {
   int poses_ = 0;
 };
 
+/// What an IMU has measured since it was asked the last time.
+class NewImu {
+ public:
+  std::vector<ImuSample> of(const SensorInbox* inbox) {
+    std::vector<ImuSample> samples;
+    if (inbox) samples = inbox->imu_since(until_);
+    if (!samples.empty()) until_ = samples.back().stamp;
+    return samples;
+  }
+
+ private:
+  double until_ = -std::numeric_limits<double>::infinity();  // [s]
+};
+
 /// Tells of a robot that is told to drive and stands.
 class Standstill {
  public:
@@ -176,6 +190,7 @@ struct Driver::Impl {
   DriveState mode;
   DriverStatus seen;
   StreamJumps jumps;
+  NewImu imu;
   Standstill standstill;
   double before;  // [s] of the command before
 
@@ -208,6 +223,8 @@ struct Driver::Impl {
   bool is_cancelled() const { return cancelled || (mission.cancelled && mission.cancelled()); }
   /// Corrections of the map since the belief before; null: there are none.
   void note_corrections(const MapFrame* frame);
+  /// Of the streams that the robot needs one that no belief tells of, and that is too old; empty.
+  std::string stale_stream(double instant) const;
   /// A planning step; false: the mission is over.
   bool plan_next(const std::stop_token& stop);
   /// Waits, going on with what the deadline left unfinished. False: it is to stop.
@@ -301,12 +318,23 @@ bool Driver::Impl::plan_next(const std::stop_token& stop) {
   return !progress.over_after(*newest, *published.plan, stops);
 }
 
+std::string Driver::Impl::stale_stream(double instant) const {
+  const std::string imu(to_string(SensorStream::kImu));
+  for (const WatchedStream& stream : parts.streams) {
+    if (stream.source != imu) continue;
+    const std::optional<double> stamp = stream.stamp(nullptr);
+    if (!stamp || !(instant - *stamp <= stream.limit)) return stream.source;
+  }
+  return {};
+}
+
 DriveObservation Driver::Impl::look(const BaseReport& report, const Belief* newest,
                                     const RangeCheck& ranges, double instant) {
   DriveObservation observation;
   observation.now = instant;
   observation.belief = newest;
   if (newest) observation.stale_source = parts.guard.stale_source(*newest, instant);
+  if (observation.stale_source.empty()) observation.stale_source = stale_stream(instant);
   observation.base = &report;
   observation.threads = supervisor.report(instant);
   observation.obstacle = ranges.obstacle;
@@ -318,7 +346,8 @@ DriveObservation Driver::Impl::look(const BaseReport& report, const Belief* newe
   // Requests tell it once: the drive mode latches it.
   observation.emergency_stop = requests.take_emergency_stop() || button.pressed;
   observation.silent_emergency_stop = button.silent;
-  if (const auto departure = following.look(instant, report, newest)) {
+  if (const auto departure = following.look(
+          instant, report, parts.pose_of_wheels ? nullptr : newest, imu.of(parts.inbox))) {
     observation.not_following = to_text(*departure);
   }
   observation.acknowledged = requests.take_acknowledgement();

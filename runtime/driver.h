@@ -60,7 +60,10 @@ struct DriverParts {
   std::shared_ptr<const MotionModel> model;
   /// [s] after which the base stops by itself when commands cease (base.h); none: it is refused.
   std::optional<double> dead_man{};
-  SensorInbox* inbox = nullptr;  ///< gets the wheel motion that the base reports
+  /// Gets the wheel motion that the base reports, and has what an IMU measures.
+  SensorInbox* inbox = nullptr;
+  /// The pose of a belief is its wheels': no witness besides them of how the base moves.
+  bool pose_of_wheels = false;
   /// Asked with the command in force and the time, from the command thread (range_check()).
   std::function<RangeCheck(const Twist&, double)> ranges{};
   /// Who must be able to stop it; null: nobody but who asks by `requests`.

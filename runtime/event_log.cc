@@ -9,6 +9,34 @@
 #include "models/knobs.h"
 
 namespace prospect {
+namespace {
+
+/// Whether two texts are the same but for their numbers.
+bool same_words(std::string_view a, std::string_view b) {
+  const auto is_number = [](char c) {
+    return (c >= '0' && c <= '9') || c == '.' || c == '-' || c == '+';
+  };
+  std::size_t i = 0, j = 0;
+  for (;; ++i, ++j) {
+    while (i < a.size() && is_number(a[i])) ++i;
+    while (j < b.size() && is_number(b[j])) ++j;
+    if (i == a.size() || j == b.size()) return i == a.size() && j == b.size();
+    if (a[i] != b[j]) return false;
+  }
+}
+
+/// Takes a new text, and keeps what was said before in other words.
+void say(Event& event, std::string text) {
+  std::string old = std::exchange(event.text, std::move(text));
+  if (old.empty() || same_words(old, event.text)) return;
+  std::erase_if(event.before, [&](const std::string& b) { return same_words(b, event.text); });
+  event.before.push_back(std::move(old));
+  if (event.before.size() <= kMostTexts) return;
+  event.before.erase(event.before.begin());
+  ++event.left_out;
+}
+
+}  // namespace
 
 std::string_view to_string(Severity severity) {
   switch (severity) {
@@ -28,8 +56,13 @@ std::string to_text(const Event& event) {
   std::string text = formatted("%.3f ", event.stamp) + std::string(to_string(event.severity)) +
                      ' ' + event.source + ": " + event.cause;
   if (!event.text.empty()) text += ": " + event.text;
-  if (event.count > 1) text += formatted(" (%d times until %.3f)", event.count, event.last_stamp);
-  return text;
+  if (event.count == 1) return text;
+  text += formatted(" (%d times until %.3f", event.count, event.last_stamp);
+  for (std::size_t k = 0; k < event.before.size(); ++k) {
+    text += (k == 0 ? "; before: " : "; ") + event.before[k];
+  }
+  if (event.left_out > 0) text += formatted("; %d more", event.left_out);
+  return text + ')';
 }
 
 EventLog::EventLog(const EventLogOptions& options) : options_(options) {
@@ -60,7 +93,7 @@ void EventLog::add(double stamp, Severity severity, std::string_view source, std
     ++event.count;
   }
   event.last_stamp = stamp;
-  event.text = std::move(kept);
+  say(event, std::move(kept));
   event.number = next_++;
   events_.push_back(std::move(event));
   if (events_.size() > static_cast<std::size_t>(options_.capacity)) {

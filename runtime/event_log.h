@@ -28,16 +28,23 @@ std::string_view to_string(Severity severity);
 struct Event {
   double stamp = 0.0;  ///< when it happened first
   Severity severity = Severity::kInfo;
-  std::string source;       ///< who says so: "left camera", "planner thread"
-  std::string cause;        ///< a name that stays the same for the same fault: "stale"
-  std::string text;         ///< a sentence with the numbers of the newest time
+  std::string source;  ///< who says so: "left camera", "planner thread"
+  std::string cause;   ///< a name that stays the same for the same fault: "stale"
+  std::string text;    ///< a sentence with the numbers of the newest time
+  /// What it said before in other words, each with its newest numbers, oldest first; of more than
+  /// kMostTexts the oldest are left out, and counted.
+  std::vector<std::string> before{};
+  int left_out = 0;
   double last_stamp = 0.0;  ///< when it happened last
   int count = 1;
   /// Number of the newest time in the order of the log, from 0.
   std::uint64_t number = 0;
 };
 
-/// "12.345 error left camera: stale: 0.7 s old; expected at most 0.5 s (23 times until 14.200)".
+inline constexpr std::size_t kMostTexts = 20;
+
+/// "12.345 error left camera: stale: 0.7 s old; expected at most 0.5 s (23 times until 14.200)",
+/// and what it said before: "(2 times until 14.200; before: no image so far)".
 std::string to_text(const Event& event);
 
 struct EventLogOptions {
@@ -53,7 +60,7 @@ void describe(Knobs& knobs, EventLogOptions& options);
 /// Repetitions. An event is the same as one that is kept if source, cause and severity are, and it
 /// comes within repeat_gap of the last time. Then that one is counted up, takes the new text, stamp
 /// and number, and moves to the end. So a fault that is there at each of 50 commands a second is
-/// one event.
+/// one event. A text that differs in more than its numbers is kept beside the newest.
 ///
 /// Overflow. Beyond the capacity the event with the least number is dropped, and counted.
 ///

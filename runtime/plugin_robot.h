@@ -16,7 +16,7 @@ namespace prospect {
 
 /// Sizes [byte] of what crosses the border. Beside PluginAbi, which comes first.
 struct RobotAbi {
-  std::int32_t robot, drivers, report, limits, wheels, frame, depth, scan, image, pose,
+  std::int32_t robot, drivers, report, limits, wheels, frame, depth, scan, image, pose, imu,
       emergency_stop;
 
   bool operator==(const RobotAbi&) const = default;
@@ -32,6 +32,7 @@ constexpr RobotAbi kRobotAbi = {
     static_cast<std::int32_t>(sizeof(DepthScan)),
     static_cast<std::int32_t>(sizeof(Image)),
     static_cast<std::int32_t>(sizeof(ExternalPose)),
+    static_cast<std::int32_t>(sizeof(ImuSample)),
     static_cast<std::int32_t>(sizeof(EmergencyStopInput)),
 };
 

@@ -237,6 +237,7 @@ CheckResult gain_check(const std::string& name, double from, const std::optional
 
 constexpr const char* kNoWheels = "the base reports no motion";
 constexpr const char* kNoPose = "the pose has no motion";
+constexpr const char* kNoGyro = "the IMU told nothing while the robot stood";
 
 /// The checks `names` of a motion of which too little was commanded; empty: it was enough.
 std::vector<CheckResult> too_little(const std::vector<std::string>& names, const char* unit,
@@ -300,7 +301,8 @@ std::vector<CheckResult> checks_before_motion(const PreflightFacts& facts,
 
 std::vector<CheckResult> checks_of_turn(const ShortMotion& turn, const PreflightOptions& options) {
   check_knobs("preflight", options);
-  const std::vector<std::string> names = {"yaw of the wheels", "yaw of the pose", "slip"};
+  std::vector<std::string> names = {"yaw of the wheels", "yaw of the pose", "slip"};
+  if (turn.has_gyro) names.emplace_back("yaw of the gyro");
   // No number is too little, too.
   const double commanded = std::isfinite(turn.commanded) ? turn.commanded : 0.0;
   auto results = too_little(names, "rad", commanded, options.least_turn);
@@ -308,10 +310,14 @@ std::vector<CheckResult> checks_of_turn(const ShortMotion& turn, const Preflight
   const MotionWords words{"rad", ": it does not turn",
                           ": it turns the other way; expected positive to the left",
                           options.yaw_warn, options.yaw_fail};
-  return {gain_check(names[0], commanded, turn.wheels, kNoWheels, words),
-          gain_check(names[1], commanded, turn.pose, kNoPose, words),
-          turn.wheels ? gain_check(names[2], *turn.wheels, turn.pose, kNoPose, words)
-                      : not_possible(names[2], kNoWheels)};
+  results = {gain_check(names[0], commanded, turn.wheels, kNoWheels, words),
+             gain_check(names[1], commanded, turn.pose, kNoPose, words),
+             turn.wheels ? gain_check(names[2], *turn.wheels, turn.pose, kNoPose, words)
+                         : not_possible(names[2], kNoWheels)};
+  if (turn.has_gyro) {
+    results.push_back(gain_check(names[3], commanded, turn.gyro, kNoGyro, words));
+  }
+  return results;
 }
 
 std::vector<CheckResult> checks_of_distance(const ShortMotion& way,

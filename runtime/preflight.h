@@ -161,10 +161,12 @@ struct ShortMotion {
   double commanded = 0.0;
   std::optional<double> wheels{};  ///< the base's own odometry
   std::optional<double> pose{};    ///< of the belief: visual odometry, or who else localizes
+  bool has_gyro = false;           ///< there is an IMU
+  std::optional<double> gyro{};    ///< its turn; none: its bias is not known
 };
-/// The checks that need motion: "yaw of the wheels", "yaw of the pose", each against what was
-/// commanded, and "slip", pose against wheels. A base that turns the other way, or not by a
-/// quarter of it, fails. Pure.
+/// The checks that need motion: "yaw of the wheels", "yaw of the pose", and of who has an IMU "yaw
+/// of the gyro", each against what was commanded, and "slip", pose against wheels. A base that
+/// turns the other way, or not by a quarter of it, fails. Pure.
 std::vector<CheckResult> checks_of_turn(const ShortMotion& turn,
                                         const PreflightOptions& options = {});
 /// Likewise "way of the wheels" and "way of the pose".

@@ -108,7 +108,8 @@ class Run {
         options_(options),
         driver_(driver),
         command_(driver.command),
-        inputs_(inputs) {}
+        inputs_(inputs),
+        gyro_(driver.following.gyro_bias) {}
 
   PreflightResult make() {
     const std::jthread perceives([this](const std::stop_token& stop) {
@@ -186,6 +187,16 @@ class Run {
     }
     return report;
   }
+  /// By its gyro, since the call before.
+  std::optional<GyroRate::Turn> turned() {
+    if (!parts_.inbox) return std::nullopt;
+    return gyro_.look(
+        parts_.inbox->imu_since(gyro_.stamp().value_or(-std::numeric_limits<double>::infinity())));
+  }
+  bool rests(const BaseReport& base) const {
+    return base.velocity.linear.norm() <= driver_.watch.rest_speed &&
+           std::abs(base.velocity.yaw_rate) <= driver_.watch.rest_rate;
+  }
   /// Why it cannot be driven; empty: it can.
   std::string misses(const BaseReport& base, double now) const {
     if (!base.connected) return "it is not connected";
@@ -241,6 +252,7 @@ class Run {
       const std::shared_ptr<const Belief> belief = newest();
       const double now = parts_.clock.now();
       facts.base = misses(told, now);
+      if (const auto turn = turned(); turn && rests(told)) gyro_.stood(*turn);
       const auto offset = parts_.inbox ? parts_.inbox->pair_offset() : std::nullopt;
       if (offset) offsets.push_back(*offset);
       for (std::size_t k = 0; k < parts_.streams.size(); ++k) {
@@ -304,7 +316,8 @@ class Run {
     CommandLoop loop(parts_.model, parts_.guard, command_);
     CommandFollowing following(driver_.following, command_.delay);
     std::string hindered;
-    double wheels = 0.0, stamp = 0.0, last = parts_.clock.now();
+    double wheels = 0.0, stamp = 0.0, gyro = 0.0, last = parts_.clock.now();
+    turned();
     Twist in_force;
     bool by_wheels = false;
     for (;;) {
@@ -318,12 +331,13 @@ class Run {
         stamp = sample.stamp;
       }
       if (!by_wheels) wheels += motion.of(told.velocity) * (now - last);
+      if (const auto turn = turned()) gyro += turn->rate * (turn->until - turn->from);
       last = now;
       if (now >= end + options_.settle) break;
       if (is_cancelled()) return "it was cancelled";
       if (is_told_to_stand(now)) return "it was told to stand";
       const std::shared_ptr<const Belief> seen = newest();
-      departure_ = following.look(now, told, seen.get());
+      departure_ = following.look(now, told, parts_.pose_of_wheels ? nullptr : seen.get());
       if (departure_) {
         base_.stop();
         return "the base does not follow what it is told";
@@ -345,6 +359,8 @@ class Run {
       wait();
     }
     made.wheels = wheels;
+    made.has_gyro = parts_.inbox && parts_.inbox->count(SensorStream::kImu).received > 0;
+    if (gyro_.knows_bias()) made.gyro = gyro;
     const std::shared_ptr<const Belief> after = newest();
     if (after->localization != Localization::kLost) {
       const double yaw = before->pose.yaw;
@@ -365,6 +381,7 @@ class Run {
   std::mutex mutex_;
   std::shared_ptr<const Belief> belief_;
   std::optional<Departure> departure_;  // that ended a motion
+  GyroRate gyro_;
 };
 
 }  // namespace

@@ -33,6 +33,8 @@ InputResult feed(PerceptionPipeline& perception, const SensorFrame& frame) {
           return perception.external_pose(f);
         } else if constexpr (std::is_same_v<Frame, Correction>) {
           return perception.correct(f);
+        } else if constexpr (std::is_same_v<Frame, ImuSample>) {
+          return {};
         } else {
           return {InputState::kRefused, "an estimate; expected images"};
         }

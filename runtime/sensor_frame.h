@@ -5,6 +5,7 @@
 #include <variant>
 
 #include "models/image.h"
+#include "models/imu_sample.h"
 #include "models/types.h"
 #include "perception/fusion/wheel_fusion.h"
 #include "perception/mapping/depth_image.h"
@@ -41,10 +42,11 @@ struct ScanFrame {
 /// What a robot's sensors deliver: one input of perception. A pose is one that something else has
 /// measured: a localization, motion capture. A correction is of who keeps the map.
 using SensorFrame = std::variant<StereoFrame, WheelSample, DepthFrame, ScanFrame, EstimateFrame,
-                                 ExternalPose, Correction>;
+                                 ExternalPose, Correction, ImuSample>;
 /// Of the left image of a pair.
 double stamp_of(const SensorFrame& frame);
-/// Hands it to perception; the result is perception's, which refuses an estimate.
+/// Hands it to perception; the result is perception's, which refuses an estimate and leaves what an
+/// IMU measures to who watches the base (command_following.h).
 InputResult feed(PerceptionPipeline& perception, const SensorFrame& frame);
 
 }  // namespace prospect

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <iterator>
 #include <type_traits>
 #include <utility>
 #include <variant>
@@ -38,7 +39,7 @@ bool empty(const CameraContent& content) { return !content.estimate && empty(con
 SensorInboxOptions in_runtime_clock(SensorInboxOptions options) {
   options.cameras_in_runtime_clock = options.wheels_in_runtime_clock =
       options.depth_in_runtime_clock = options.scan_in_runtime_clock =
-          options.poses_in_runtime_clock = true;
+          options.poses_in_runtime_clock = options.imu_in_runtime_clock = true;
   return options;
 }
 
@@ -58,6 +59,8 @@ std::string_view to_string(SensorStream stream) {
       return "scan";
     case SensorStream::kPose:
       return "pose";
+    case SensorStream::kImu:
+      return "imu";
   }
   return "?";
 }
@@ -72,6 +75,7 @@ SensorInbox::SensorInbox(const Clock& clock, const SensorInboxOptions& options)
       depth_(clock_of(options.depth_in_runtime_clock, options.clock_drift)),
       scan_(clock_of(options.scan_in_runtime_clock, options.clock_drift)),
       poses_(clock_of(options.poses_in_runtime_clock, options.clock_drift)),
+      imu_clock_(clock_of(options.imu_in_runtime_clock, options.clock_drift)),
       jumps_(options.pose_jump) {
   check_knobs("sensor inbox", options_);
 }
@@ -86,6 +90,8 @@ ClockOffset& SensorInbox::offset_of(SensorStream stream) {
       return scan_;
     case SensorStream::kPose:
       return poses_;
+    case SensorStream::kImu:
+      return imu_clock_;
     default:
       return cameras_;
   }
@@ -99,7 +105,9 @@ std::optional<double> SensorInbox::offset(const ClockOffset& of) const {
       least = std::min(*least, *one);
     }
   };
-  for (const ClockOffset* clock : {&cameras_, &wheels_, &depth_, &scan_, &poses_}) include(*clock);
+  for (const ClockOffset* clock : {&cameras_, &wheels_, &depth_, &scan_, &poses_, &imu_clock_}) {
+    include(*clock);
+  }
   for (const auto& [number, sensor] : sensors_) include(sensor.clock);
   return least;
 }
@@ -107,6 +115,7 @@ std::optional<double> SensorInbox::offset(const ClockOffset& of) const {
 double SensorInbox::max_age(SensorStream stream) const {
   switch (stream) {
     case SensorStream::kWheels:
+    case SensorStream::kImu:
       return options_.max_wheel_age;
     case SensorStream::kDepth:
     case SensorStream::kScan:
@@ -145,7 +154,8 @@ std::optional<double> SensorInbox::shifted(StreamCount& count, ClockOffset& offs
 }
 
 void SensorInbox::put(SensorStream stream, SensorFrame frame) {
-  const bool small = stream == SensorStream::kWheels || stream == SensorStream::kPose;
+  const bool small = stream == SensorStream::kWheels || stream == SensorStream::kPose ||
+                     stream == SensorStream::kImu;
   put(at(stream), small ? options_.wheel_capacity : options_.capacity, std::move(frame));
 }
 
@@ -348,6 +358,28 @@ void SensorInbox::add(ExternalPose pose) {
   came_.notify_one();
 }
 
+void SensorInbox::add(ImuSample sample) {
+  const std::lock_guard lock(mutex_);
+  if (!sample.finite()) {
+    StreamCount& count = at(SensorStream::kImu).count;
+    ++count.received;
+    return drop(count, &StreamCount::refused, "a number that is not finite");
+  }
+  const std::optional<double> at_capture = shifted(SensorStream::kImu, sample.stamp);
+  if (!at_capture) return;
+  sample.stamp = *at_capture;
+  if (imu_.empty() || sample.stamp > imu_.back().stamp) imu_.push_back(sample);
+  if (imu_.size() > static_cast<std::size_t>(options_.wheel_capacity)) imu_.pop_front();
+  put(SensorStream::kImu, std::move(sample));
+}
+
+std::vector<ImuSample> SensorInbox::imu_since(double stamp) const {
+  const std::lock_guard lock(mutex_);
+  auto first = imu_.end();
+  while (first != imu_.begin() && std::prev(first)->stamp > stamp) --first;
+  return {first, imu_.end()};
+}
+
 void SensorInbox::add(Correction correction) {
   {
     const std::lock_guard lock(mutex_);
@@ -399,7 +431,9 @@ bool SensorInbox::wait(double seconds, const std::stop_token& stop) {
   const auto any = [&] {
     return !corrections_.empty() ||
            std::any_of(streams_.begin(), streams_.end(),
-                       [](const Stream& s) { return !s.frames.empty(); }) ||
+                       [&](const Stream& s) {
+                         return !s.frames.empty() && &s != &at(SensorStream::kImu);
+                       }) ||
            std::any_of(sensors_.begin(), sensors_.end(),
                        [](const auto& s) { return !s.second.stream.frames.empty(); });
   };

@@ -15,6 +15,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "models/image.h"
 #include "runtime/clock.h"
@@ -28,8 +29,8 @@ namespace prospect {
 class Knobs;
 
 /// Where frames come from. Left and right are the images of a stereo camera that come one by one.
-enum class SensorStream { kLeft, kRight, kPair, kWheels, kDepth, kScan, kPose };
-inline constexpr std::size_t kSensorStreams = 7;
+enum class SensorStream { kLeft, kRight, kPair, kWheels, kDepth, kScan, kPose, kImu };
+inline constexpr std::size_t kSensorStreams = 8;
 std::string_view to_string(SensorStream stream);
 /// Of a depth sensor from 1 on: "depth sensor 1".
 std::string sensor_name(int sensor);
@@ -57,12 +58,12 @@ struct SensorInboxOptions {
   double pair_tolerance = 0.005;  ///< [s] between the stamps of a left and a right image of a pair
   /// Frames of each stream that wait; beyond, the oldest is dropped.
   int capacity = 8;
-  int wheel_capacity = 200;  ///< likewise of wheel samples, and of poses
+  int wheel_capacity = 200;  ///< likewise of samples of wheels and an IMU, and of poses
   /// A frame that is older than this when it is taken, from capture on, is dropped, and a stream
   /// whose newest frame is older is stale [s]. Infinite: any age. Wheel samples are taken at any
   /// age: without one of them the way that it tells of is missing from the pose.
   double max_image_age = 0.5;  ///< also of poses
-  double max_wheel_age = 0.5;
+  double max_wheel_age = 0.5;  ///< also of samples of an IMU
   double max_range_age = 1.0;  ///< of depth images and scans, of each depth sensor by itself
   /// Stamps are those of the runtime's clock already, as where the driver stamps what it receives
   /// from the kernel; else they are the source's own and are shifted into it. One choice for the
@@ -72,6 +73,7 @@ struct SensorInboxOptions {
   bool depth_in_runtime_clock = false;
   bool scan_in_runtime_clock = false;
   bool poses_in_runtime_clock = false;
+  bool imu_in_runtime_clock = false;
   /// Clocks of their own are one and the same: of the offsets that streams show, each with the
   /// least delay of its own, the least holds for all. So a stream that is always late, as poses of
   /// a localization are, is not taken for one of a clock that is behind.
@@ -115,7 +117,8 @@ struct StreamCount {
 /// same way; the left one's estimate is the pair's.
 ///
 /// Order. take() gives the frame with the oldest stamp of those that wait. It waits for no stream:
-/// perception takes inputs in any order among its sources.
+/// perception takes inputs in any order among its sources. Samples of an IMU wake nobody: they are
+/// taken along.
 ///
 /// Clock. now() of the runtime's clock when a frame is put in is its arrival. A stream with a clock
 /// of its own is shifted by an estimate of the offset, from stamps and arrivals (clock_offset.h);
@@ -147,6 +150,8 @@ class SensorInbox final : public FrameSink {
 
   /// The newest ranges of a depth sensor, whether taken by perception or not.
   NewestRanges ranges(int sensor = 0) const;
+  /// The newest samples of an IMU, those after a stamp [s], oldest first, whether taken or not.
+  std::vector<ImuSample> imu_since(double stamp) const;
   /// Capture of the right image - capture of the left one of the newest pair [s]; none so far.
   std::optional<double> pair_offset() const;
   StreamCount count(SensorStream stream) const;
@@ -204,6 +209,7 @@ class SensorInbox final : public FrameSink {
   void add(DepthFrame frame);
   void add(ScanFrame frame);
   void add(ExternalPose pose);
+  void add(ImuSample sample);
   void add(Correction correction);
   static void drop(StreamCount& count, std::uint64_t StreamCount::*kind, const std::string& why);
 
@@ -215,10 +221,11 @@ class SensorInbox final : public FrameSink {
   std::deque<Lone> left_, right_;  // in order of arrival
   std::deque<Correction> corrections_;
   NewestRanges ranges_;
+  std::deque<ImuSample> imu_;      // the newest, by stamp
   std::map<int, Sensor> sensors_;  // from 1 on, of those that have delivered anything
   std::optional<double> pair_offset_;
   // The cameras have one clock.
-  ClockOffset cameras_, wheels_, depth_, scan_, poses_;
+  ClockOffset cameras_, wheels_, depth_, scan_, poses_, imu_clock_;
   PoseJumpWatch jumps_;
 };
 

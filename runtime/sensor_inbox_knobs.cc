@@ -13,11 +13,11 @@ void describe(Knobs& knobs, SensorInboxOptions& o) {
   knobs.integer("capacity", o.capacity, {1, 1000}, "1",
                 "images, depth images or scans of a source that wait");
   knobs.integer("wheel_capacity", o.wheel_capacity, {1, 100000}, "1",
-                "wheel samples or poses that wait");
+                "wheel samples, poses or samples of an IMU that wait");
   knobs.number("max_image_age", o.max_image_age, {0.0, kAny}, "s",
                "oldest image or pose taken, from capture on");
   knobs.number("max_wheel_age", o.max_wheel_age, {0.0, kAny}, "s",
-               "of the newest wheel sample, beyond which wheels are stale");
+               "of the newest sample of wheels or an IMU, beyond which it is stale");
   knobs.number("max_range_age", o.max_range_age, {0.0, kAny}, "s",
                "oldest depth image or scan taken, from capture on");
   knobs.boolean("cameras_in_runtime_clock", o.cameras_in_runtime_clock,
@@ -30,6 +30,8 @@ void describe(Knobs& knobs, SensorInboxOptions& o) {
                 "scans are stamped by the runtime's clock");
   knobs.boolean("poses_in_runtime_clock", o.poses_in_runtime_clock,
                 "poses from outside are stamped by the runtime's clock");
+  knobs.boolean("imu_in_runtime_clock", o.imu_in_runtime_clock,
+                "samples of an IMU are stamped by the runtime's clock");
   knobs.boolean("one_clock", o.one_clock,
                 "clocks of sources that are not the runtime's are one and the same");
   knobs.group("pose_jump", [&] { describe(knobs, o.pose_jump); });

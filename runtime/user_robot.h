@@ -33,7 +33,8 @@ struct RobotDrivers {
 /// Perception is by what the sensors deliver: `streams` are those that the robot needs, and cannot
 /// go without. With stereo pairs poses are those of visual odometry, with wheels where they turn;
 /// without, they come from outside (kPose), or, with kWheels and no kPose, of the wheels alone that
-/// its base reports. Depth images or scans make the map.
+/// its base reports. Depth images or scans make the map. An IMU (kImu) is a witness of how it
+/// turns.
 struct UserRobot {
   std::string name = "robot";  ///< for records: letters, digits, _ and -
   std::vector<SensorStream> streams{};

@@ -60,6 +60,10 @@ void GoalPlanner::follow(const std::shared_ptr<const ZoneMap>& zones, const Goal
   }
 }
 
+void GoalPlanner::follow(const PlaceMoves& moves) {
+  monitor_.follow([&](const Eigen::Vector2d& p) { return moves.now(p); });
+}
+
 void GoalPlanner::solve(Cell robot, const PausePoint& pause) {
   const GridFrame& frame = traversability_.frame();
   if (area_) {
@@ -240,15 +244,18 @@ std::shared_ptr<const GlobalPlan> GoalPlanner::update(const GroundMap& ground, c
   if (!found.cells.empty()) {
     // At the place it turns, which brings it no nearer.
     const bool there = !area_ && facts_.distance <= goal_.position_tolerance;
-    monitor_.update(stamp, p, facts_.path_left, explored,
-                    activity.pursued && !facts_.reached && !there);
+    const auto update = [&](bool pursued) {
+      monitor_.update(
+          stamp, frame.center(field_.anchor()),
+          [&](const Eigen::Vector2d& at) { return field_.value(frame.cell(at.x(), at.y())); },
+          explored, pursued);
+    };
+    update(activity.pursued && !facts_.reached && !there);
     if (monitor_.hopeless()) {
       close_on(found);
       solve(robot, pause);
       observation();
-      if (!found.cells.empty()) {
-        monitor_.update(stamp, p, facts_.path_left, explored, activity.pursued);
-      }
+      if (!found.cells.empty()) update(activity.pursued);
     }
   }
   facts_.stalled = !found.cells.empty() && monitor_.stalled();

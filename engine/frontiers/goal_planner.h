@@ -15,6 +15,7 @@
 #include "engine/frontiers/frontier_planner.h"
 #include "engine/frontiers/goal_sources.h"
 #include "engine/maps/ground_map.h"
+#include "engine/maps/place_moves.h"
 #include "engine/maps/traversability.h"
 #include "engine/task/task.h"
 #include "models/types.h"
@@ -77,6 +78,8 @@ class GoalPlanner {
               const std::optional<Polygon>& area);
   /// Its time without progress begins anew: it had something else to do.
   void resume() { monitor_.restart(); }
+  /// What was measured has moved in W.
+  void follow(const PlaceMoves& moves);
 
   const Goal& goal() const { return goal_; }
   /// Of an area: free cells of it, times the area of a cell [m^2], at the last update.

@@ -60,6 +60,8 @@ void GlobalPlanner::follow(const FrontierPlannerOptions& options, const Task& ta
 void GlobalPlanner::follow(const PlaceMoves& moves) {
   frontier_planner_.follow(moves);
   if (start_) start_ = moves.now(*start_);
+  if (area_planner_) area_planner_->follow(moves);
+  if (goal_planner_) goal_planner_->follow(moves);
   if (!goal_planner_ || task_.kind != TaskKind::kReturn) return;
   Goal goal = goal_planner_->goal();
   goal.position = start_->position.head<2>();

@@ -14,6 +14,7 @@
 #include <stdexcept>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "models/unicycle.h"
 
@@ -38,6 +39,10 @@ struct World {
   std::function<void(double, Twist&)> wheels{};
   std::function<void(double, Pose&)> pose{};
   std::function<double(double)> stamp{};
+  // A gyro at 100 Hz: its bias and noise [rad/s], and what becomes of what it measures.
+  bool has_gyro = false;
+  double gyro_bias = 0.02, gyro_noise = 0.01;
+  std::function<void(double, ImuSample&)> gyro{};
 };
 
 /// What was noticed, and how far the robot had gone since the fault.
@@ -61,6 +66,8 @@ std::optional<Noticed> drive(const World& w, double length,
   double way = 0.0, turned = 0.0;
   bool has_seen = false;
   constexpr int kSteps = 10;
+  std::mt19937 gyro_random(w.seed);
+  std::vector<ImuSample> measured;
   for (int tick = 0; tick * kPeriod < length; ++tick) {
     const double now = tick * kPeriod;
     BaseReport report;
@@ -82,9 +89,10 @@ std::optional<Noticed> drive(const World& w, double length,
       newest = seen.front();
       has_seen = w.has_pose;
     }
-    if (const auto found = following.look(now, report, has_seen ? &newest : nullptr)) {
+    if (const auto found = following.look(now, report, has_seen ? &newest : nullptr, measured)) {
       return Noticed{*found, now - w.from, way, turned};
     }
+    measured.clear();
     const Twist told = command(now);
     following.told({now, now + kHold, told, false});
     sent.emplace_back(now, told);
@@ -103,6 +111,14 @@ std::optional<Noticed> drive(const World& w, double length,
       pose.position.x() += v * dt * std::cos(pose.yaw);
       pose.position.y() += v * dt * std::sin(pose.yaw);
       pose.yaw += r * dt;
+      if (w.has_gyro && k % 2 == 1) {
+        ImuSample sample;
+        sample.stamp = t + dt;
+        sample.angular_velocity.z() = r + w.gyro_bias + w.gyro_noise * noise(gyro_random);
+        sample.linear_acceleration = {0.0, 0.1 * noise(gyro_random), 9.8};
+        if (w.gyro) w.gyro(sample.stamp, sample);
+        measured.push_back(sample);
+      }
       if (t >= w.from) way += std::abs(v) * dt, turned += std::abs(r) * dt;
     }
   }
@@ -410,6 +426,169 @@ TEST(CommandFollowing, LegalDrivesAreNotBlamed) {
       ASSERT_FALSE(found) << c.name << ", seed " << seed << ": " << to_text(found->what);
     }
   }
+}
+
+/// A second of standing, in which a gyro learns its bias, before a drive.
+std::function<Twist(double)> after_standing(std::function<Twist(double)> drive) {
+  return [drive = std::move(drive)](double now) { return now < 1.0 ? Twist() : drive(now - 1.0); };
+}
+
+/// Wheels that say what they were told, and no pose.
+struct BlindDrive {
+  explicit BlindDrive(const std::function<Twist(double, const Twist&)>& fault) {
+    world.fault = fault;
+    world.from = 4.0;
+    world.has_pose = false;
+    world.has_gyro = true;
+    world.wheels = [this](double, Twist& measured) { measured = told; };
+  }
+  std::optional<Noticed> drive_on(double speed, double rate) {
+    const auto command = after_standing(steadily(speed, rate));
+    return drive(world, 10.0, [&](double now) { return told = command(now); });
+  }
+  World world;
+  Twist told;
+};
+
+TEST(CommandFollowing, TheGyroAloneNamesATurnThatIsNotTheOneThatWasTold) {
+  const std::vector<std::pair<const char*, std::function<Twist(double, const Twist&)>>> turns = {
+      {"mirrored",
+       [](double, const Twist& t) {
+         return Twist{t.linear, -t.yaw_rate};
+       }},
+      {"ignores turns",
+       [](double, const Twist& t) {
+         return Twist{t.linear, 0.0};
+       }},
+      {"turns twice as fast",
+       [](double, const Twist& t) {
+         return Twist{t.linear, 2.0 * t.yaw_rate};
+       }},
+      {"runs away in yaw",
+       [](double, const Twist& t) {
+         return Twist{t.linear, t.yaw_rate + 0.6};
+       }},
+      {"left wheel dead", verbs()[6].made},
+      {"right wheel dead", verbs()[7].made},
+  };
+  for (const auto& [name, fault] : turns) {
+    for (const double rate : {0.5, -0.8}) {
+      for (unsigned seed = 1; seed <= 5; ++seed) {
+        BlindDrive blind(fault);
+        blind.world.seed = seed;
+        const auto found = blind.drive_on(0.4, rate);
+        ASSERT_TRUE(found) << name << " at " << rate;
+        EXPECT_GE(found->after, 0.0) << name;
+        EXPECT_LE(found->after, 1.0) << name << " at " << rate;
+        EXPECT_EQ(found->what.witness, "gyro") << name;
+        EXPECT_EQ(found->what.axis, 2) << name;
+      }
+    }
+  }
+  // On a straight way, too, where it is told no turn.
+  for (const std::size_t verb : {6u, 7u}) {
+    const auto found = BlindDrive(verbs()[verb].made).drive_on(0.4, 0.0);
+    ASSERT_TRUE(found);
+    EXPECT_LE(found->after, 1.0);
+  }
+}
+
+TEST(CommandFollowing, AGyroThatIsOffAndNoisyAccusesNobody) {
+  for (const double bias : {0.02, -0.02, 0.08}) {
+    for (const bool has_pose : {true, false}) {
+      for (unsigned seed = 1; seed <= 10; ++seed) {
+        World w;
+        w.seed = seed;
+        w.has_pose = has_pose;
+        w.has_gyro = true;
+        w.gyro_bias = bias;
+        w.acceleration = 1.0, w.turning = 3.0, w.delay = 0.15, w.yaw_gain = 0.87;
+        w.wheel_noise = 0.03, w.pose_noise = 0.003;
+        RandomDrive commands(200 + seed);
+        // Half of it straight on, where a bias adds up.
+        const auto found =
+            drive(w, 120.0, after_standing([&](double now) {
+                    const Twist told = commands(now);
+                    return now < 60.0 ? told : Twist{{std::min(0.5, now - 60.0), 0.0, 0.0}, 0.0};
+                  }));
+        ASSERT_FALSE(found) << bias << ", seed " << seed << ": " << to_text(found->what);
+      }
+    }
+  }
+  // What it has not learned is not held against anybody.
+  World never;
+  never.has_pose = false, never.has_gyro = true, never.gyro_bias = 0.08;
+  EXPECT_FALSE(drive(never, 60.0, steadily(0.5, 0.0)));
+}
+
+TEST(CommandFollowing, AGyroThatIsAtFaultDecidesNothing) {
+  const auto on = after_standing(steadily(0.4, 0.4));
+  const std::vector<std::pair<const char*, std::function<void(double, ImuSample&)>>> faults = {
+      {"one in a second is none",
+       [](double now, ImuSample& s) {
+         if (std::fmod(now + 1e-9, 1.0) < 0.01) s.angular_velocity.z() = std::nan("");
+       }},
+      {"one in a second is anything",
+       [](double now, ImuSample& s) {
+         if (std::fmod(now + 1e-9, 1.0) < 0.01) s.angular_velocity.z() = -30.0;
+       }},
+      {"none are numbers",
+       [](double now, ImuSample& s) {
+         if (now > 4.0) s.angular_velocity.setConstant(std::nan(""));
+       }},
+      {"it hangs", [last = ImuSample()](double now, ImuSample& s) mutable {
+         if (now <= 2.0) last = s;
+         s.angular_velocity = last.angular_velocity;
+         s.linear_acceleration = last.linear_acceleration;
+       }}};
+  for (const auto& [name, fault] : faults) {
+    World w;
+    w.has_pose = false, w.has_gyro = true, w.gyro = fault;
+    const auto found = drive(w, 20.0, on);
+    EXPECT_FALSE(found) << name << ": " << to_text(found->what);
+  }
+  // In a frame that nobody has told of: the wheels and the pose outvote it.
+  World upside_down;
+  upside_down.has_gyro = true;
+  upside_down.gyro = [](double, ImuSample& s) { s.angular_velocity *= -1.0; };
+  EXPECT_FALSE(drive(upside_down, 20.0, on));
+}
+
+TEST(CommandFollowing, TheGyroContradictsWheelsAndPosesThatLie) {
+  const auto on = after_standing(steadily(0.4, 0.5));
+  World lies;
+  lies.has_pose = false;
+  lies.wheels = [](double now, Twist& m) {
+    if (now > 4.0) m.yaw_rate *= -1.0;
+  };
+  EXPECT_TRUE(drive(lies, 10.0, on)) << "nobody denies it";
+  lies.has_gyro = true;
+  EXPECT_FALSE(drive(lies, 10.0, on));
+  World wanders;
+  wanders.pose = [](double now, Pose& p) { p.yaw += 0.5 * std::max(0.0, now - 4.0); };
+  const auto on_the_spot = after_standing(steadily(0.0, 0.5));
+  EXPECT_TRUE(drive(wanders, 10.0, on_the_spot)) << "nobody denies it";
+  wanders.has_gyro = true;
+  EXPECT_FALSE(drive(wanders, 10.0, on_the_spot));
+  // A body that touches something while its wheels turn is not a base that does not follow: where
+  // the pose knows it, too, the robot knows where it looks to.
+  World touches;
+  touches.has_gyro = true;
+  touches.from = 4.0;
+  touches.fault = [](double, const Twist& t) { return Twist{t.linear, 0.0}; };
+  Twist told;
+  touches.wheels = [&](double, Twist& measured) { measured = told; };
+  EXPECT_FALSE(drive(touches, 10.0, [&](double now) { return told = on(now); }));
+  // Together they say so sooner than the pose alone.
+  World both;
+  both.has_gyro = true;
+  both.from = 4.0;
+  both.fault = verbs()[1].made;
+  both.wheels = [&](double, Twist& measured) { measured = told; };
+  const auto found = drive(both, 10.0, [&](double now) { return told = on(now); });
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->what.witness, "pose and gyro");
+  EXPECT_LE(found->after, 0.5);
 }
 
 TEST(CommandFollowing, OneBadSampleDecidesNothing) {

@@ -434,6 +434,43 @@ TEST_F(DriverTest, PlansAreMadeJustBeforeTheyBegin) {
   }
 }
 
+// Its pose is that of its wheels, which say that it drives straight on.
+TEST_F(DriverTest, AGyroNamesABaseThatTurnsAndAnImuThatFallsSilentStopsIt) {
+  for (const bool silent : {false, true}) {
+    SensorInbox inbox(clock_, in_runtime_clock(SensorInboxOptions()));
+    DriverParts robot = parts();
+    robot.inbox = &inbox;
+    robot.pose_of_wheels = true;
+    robot.streams = {watched(inbox, SensorStream::kImu, "imu", 0.3)};
+    options_.mode.live_time = 0.8;
+    StraightOn planner;
+    test::FakeBase base(clock_);
+    TrueBeliefs beliefs(clock_, base);
+    MissionOptions mission;
+    mission.time_limit = 4.0;
+    Driver driver(robot, planner, PreflightResult{.checks = {}, .yaw_checked = true}, options_,
+                  mission);
+    const std::jthread measures([&](const std::stop_token& stop) {
+      while (!stop.stop_requested()) {
+        clock_.wait_until(clock_.now() + 0.01, stop);
+        const bool drives = base.velocity().linear.x() > 0.1;
+        ImuSample sample;
+        sample.stamp = clock_.now();
+        sample.angular_velocity.z() = 0.02 + (drives ? 0.8 : 0.0);
+        sample.linear_acceleration.x() = 1e-3 * std::sin(1e3 * sample.stamp);
+        if (!(silent && drives)) inbox.observe(sample);
+      }
+    });
+    driver.run(base, beliefs);
+    bool named = false;
+    for (const Event& event : driver.events().since(0).events) {
+      named = named || (event.cause == (silent ? "source stale" : "does not follow") &&
+                        event.text.find(silent ? "imu" : "by gyro") != std::string::npos);
+    }
+    EXPECT_TRUE(named) << silent;
+  }
+}
+
 TEST_F(DriverTest, StopEndsAMissionThatNothingIsKnownOf) {
   Driver driver = make();
   EXPECT_TRUE(driver.advance());

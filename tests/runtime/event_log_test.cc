@@ -87,6 +87,32 @@ TEST(EventLog, AlternatingFaultsAreTwoEvents) {
   EXPECT_EQ(log.since(reading.next).events[0].count, 501);
 }
 
+// What an event said in other words is read after the mission, too; numbers alone are not.
+TEST(EventLog, EachTextThatDiffersIsKept) {
+  EventLog log;
+  const auto say = [&](double stamp, const std::string& text) {
+    log.add(stamp, Severity::kError, "base", "fault", text);
+  };
+  say(1.0, "bumper pressed");
+  say(1.1, "battery at 11.2 V");
+  say(1.2, "battery at -3 V");
+  say(1.3, "bumper pressed");
+  say(1.4, "wheel drop");
+  const Event event = log.since(0).events.at(0);
+  EXPECT_EQ(event.text, "wheel drop");
+  EXPECT_THAT(event.before, ElementsAre("battery at -3 V", "bumper pressed"));
+  EXPECT_EQ(to_text(event),
+            "1.000 error base: fault: wheel drop (5 times until 1.400; before: battery at -3 V; "
+            "bumper pressed)");
+  // Bounded.
+  for (char c = 'a'; c <= 'z'; ++c) say(1.5, std::string("no ") + c);
+  const Event longer = log.since(0).events.at(0);
+  EXPECT_EQ(longer.before.size(), kMostTexts);
+  EXPECT_EQ(longer.before.back(), "no y");
+  EXPECT_EQ(longer.left_out, 8);
+  EXPECT_THAT(to_text(longer), HasSubstr("; no y; 8 more)"));
+}
+
 TEST(EventLog, OverflowIsCountedAndAReaderThatMissedSomethingIsTold) {
   EventLog log({.capacity = 16});
   for (int k = 0; k < 20; ++k) {

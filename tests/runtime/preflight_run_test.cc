@@ -40,12 +40,21 @@ class Beliefs final : public BeliefSource {
       belief->pose.position.x() += runs * (clock_.now() - *runs_since);
     }
     belief->localization = lost ? Localization::kLost : Localization::kOk;
+    if (gyro != nullptr) {
+      ImuSample sample;
+      sample.stamp = clock_.now();
+      sample.angular_velocity.z() = gyro_gain * base_.velocity().yaw_rate + 0.05;
+      sample.linear_acceleration.x() = 1e-3 * std::sin(1e3 * sample.stamp);
+      gyro->observe(sample);
+    }
     return belief;
   }
   Belief world = test::ObstacleWorld().belief();
   double gain = 1.0, way_gain = 1.0, runs = 0.0;  // [m/s]
   std::optional<double> runs_since;
   bool lost = false;
+  SensorInbox* gyro = nullptr;  // of who has one
+  double gyro_gain = 1.0;
   std::atomic<bool> silent{false};
 
  private:
@@ -70,6 +79,7 @@ class PreflightRun : public ::testing::Test {
                             .guard = guard_,
                             .model = model_,
                             .dead_man = base_.dead_man(),
+                            .inbox = beliefs_.gyro,
                             .ranges = ranges_,
                             .emergency_stop = button_,
                             .streams = {{"cameras", 0.5,
@@ -123,6 +133,15 @@ TEST_F(PreflightRun, CamerasThatTurnTheOtherWayFail) {
   const PreflightResult result = make();
   EXPECT_EQ(first_failed(result.checks), "yaw of the pose") << to_text(result.checks);
   EXPECT_EQ(check(result, "yaw of the wheels").verdict == Verdict::kFailed, false);
+}
+
+TEST_F(PreflightRun, AGyroThatTurnsTheOtherWayFails) {
+  SensorInbox inbox(clock_, in_runtime_clock(SensorInboxOptions()));
+  beliefs_.gyro = &inbox;
+  options_.checks.live_time = 0.8;
+  EXPECT_EQ(check(make(), "yaw of the gyro").verdict, Verdict::kPassed);
+  beliefs_.gyro_gain = -1.0;
+  EXPECT_EQ(first_failed(make().checks), "yaw of the gyro");
 }
 
 TEST_F(PreflightRun, ABaseThatDrivesTheOtherWayFails) {

@@ -289,6 +289,14 @@ TEST(Preflight, SignAndGainOfYaw) {
     EXPECT_EQ(to_string(results[1].verdict), to_string(c.pose)) << c.what << results[1].why;
     EXPECT_EQ(to_string(results[2].verdict), to_string(c.slip)) << c.what << results[2].why;
   }
+  ShortMotion turn{0.2, 0.2, 0.2, true, 0.199};
+  ASSERT_EQ(checks_of_turn(turn).size(), 4u);
+  EXPECT_EQ(checks_of_turn(turn)[3].check, "yaw of the gyro");
+  EXPECT_EQ(checks_of_turn(turn)[3].verdict, kPassed);
+  turn.gyro = -0.2;
+  EXPECT_EQ(checks_of_turn(turn)[3].verdict, kFailed);
+  turn.gyro.reset();
+  EXPECT_EQ(checks_of_turn(turn)[3].verdict, kNotPossible);
   EXPECT_THAT(checks_of_turn({0.2, -0.2, -0.2})[0].why, HasSubstr("turns the other way"));
   EXPECT_THAT(checks_of_turn({0.2, -0.02, -0.2})[0].why, HasSubstr("does not turn"));
 }

@@ -22,7 +22,7 @@ SensorInboxOptions in_one_clock() {
   SensorInboxOptions options;
   options.cameras_in_runtime_clock = options.wheels_in_runtime_clock = true;
   options.depth_in_runtime_clock = options.scan_in_runtime_clock = true;
-  options.poses_in_runtime_clock = true;
+  options.poses_in_runtime_clock = options.imu_in_runtime_clock = true;
   return options;
 }
 
@@ -55,6 +55,36 @@ TEST(SensorInbox, GivesTheOldestStampFirstWhateverCameFirst) {
   in.box.wheels(sample(99.90));
   EXPECT_EQ(in.taken_stamps(), (std::vector<double>{99.90, 99.91, 99.92, 99.93, 99.94, 99.95}));
   EXPECT_FALSE(in.box.take());
+}
+
+TEST(SensorInbox, SamplesOfAnImuAreKeptForWhoWatchesTheBaseAndWakeNobody) {
+  SensorInboxOptions options = in_one_clock();
+  options.wheel_capacity = 3;
+  Inbox in(options);
+  const auto imu = [&](double stamp, double rate) {
+    ImuSample s;
+    s.stamp = stamp;
+    s.angular_velocity.z() = rate;
+    in.box.observe(s);
+  };
+  for (const double stamp : {99.90, 99.92, 99.91, 99.94, 99.96}) imu(stamp, stamp);
+  imu(99.97, std::nan(""));
+  imu(std::nan(""), 1.0);
+  EXPECT_FALSE(in.box.wait(0.0, {})) << "nothing to perceive";
+  const std::vector<ImuSample> since = in.box.imu_since(99.92);
+  ASSERT_EQ(since.size(), 2u);
+  EXPECT_EQ(since[0].stamp, 99.94);
+  EXPECT_EQ(since[1].angular_velocity.z(), 99.96);
+  EXPECT_EQ(in.box.imu_since(0.0).size(), 3u);
+  EXPECT_TRUE(in.box.imu_since(99.96).empty());
+  const StreamCount count = in.box.count(SensorStream::kImu);
+  EXPECT_EQ(count.received, 7u);
+  EXPECT_EQ(count.refused, 2u);
+  EXPECT_EQ(*count.newest, 99.96) << "what is no measurement keeps it from being stale for nobody";
+  in.box.wheels(sample(99.93));
+  EXPECT_TRUE(in.box.wait(0.0, {}));
+  EXPECT_EQ(in.taken_stamps(), (std::vector<double>{99.92, 99.93, 99.94, 99.96}));
+  EXPECT_EQ(in.box.imu_since(0.0).size(), 3u) << "also after they were taken";
 }
 
 TEST(SensorInbox, PairsByStampAndNotBySequence) {

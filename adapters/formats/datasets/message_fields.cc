@@ -60,6 +60,27 @@ constexpr FieldRule kLaserScan[] = {
     {"ranges", kUsed},           {"intensities", kNotNeeded, "a range is a range, however bright"},
 };
 
+constexpr const char* kNoAttitude = "a turn is measured, no attitude";
+constexpr FieldRule kImu[] = {
+    {"header.stamp.sec", kUsed},
+    {"header.stamp.nanosec", kUsed},
+    {"header.frame_id", kUsed},
+    {"orientation.x", kNotNeeded, kNoAttitude},
+    {"orientation.y", kNotNeeded, kNoAttitude},
+    {"orientation.z", kNotNeeded, kNoAttitude},
+    {"orientation.w", kNotNeeded, kNoAttitude},
+    {"orientation_covariance", kNotNeeded, kNoAttitude},
+    {"angular_velocity.x", kUsed},
+    {"angular_velocity.y", kUsed},
+    {"angular_velocity.z", kUsed},
+    {"angular_velocity_covariance", kChecked},
+    {"linear_acceleration.x", kUsed},
+    {"linear_acceleration.y", kUsed},
+    {"linear_acceleration.z", kUsed},
+    {"linear_acceleration_covariance", kNotNeeded,
+     "it tells a sensor that hangs from one that is well"},
+};
+
 constexpr FieldRule kPointCloud2[] = {
     {"header.stamp.sec", kUsed},
     {"header.stamp.nanosec", kUsed},
@@ -197,6 +218,7 @@ std::span<const FieldRule> fields_of(const char* type) {
   if (name == ros::CompressedImage::kType) return kCompressedImage;
   if (name == ros::LaserScan::kType) return kLaserScan;
   if (name == ros::PointCloud2::kType) return kPointCloud2;
+  if (name == ros::Imu::kType) return kImu;
   if (name == ros::TransformStamped::kType) return kTransformStamped;
   if (name == ros::TFMessage::kType) return kTransforms;
   if (name == ros::PoseStamped::kType) return kPoseStamped;

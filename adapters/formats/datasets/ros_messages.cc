@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <initializer_list>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 #include <span>
@@ -60,18 +61,20 @@ Eigen::Isometry3d isometry_of(const ros::Pose& pose, const std::string& name) {
 }
 
 /// By -1 in front filters and trackers say that they know nothing; NaN says no more.
-void check_variances(const std::array<double, 36>& covariance, const char* what,
-                     const std::string& name) {
-  for (const std::size_t n : {0, 7, 35}) {  // of x, y and yaw
+void check_variances(std::span<const double> covariance, std::initializer_list<std::size_t> of,
+                     const char* what, const std::string& name) {
+  for (const std::size_t n : of) {
     if (covariance[n] >= 0.0) continue;
     throw InputError(name + ": a variance of " + number_text(covariance[n]) + " says that " + what +
                      " is not known; expected none below 0");
   }
 }
 
+constexpr std::initializer_list<std::size_t> kPlanar = {0, 7, 35};  // x, y and yaw of six
+
 RosTransform with_covariance(const ros::Header& header, const std::string& child,
                              const ros::PoseWithCovariance& pose, const std::string& name) {
-  check_variances(pose.covariance, "the pose", name);
+  check_variances(pose.covariance, kPlanar, "the pose", name);
   RosTransform out{ros::seconds(header.stamp), header.frame_id, child,
                    isometry_of(pose.pose, name)};
   out.covariance =
@@ -258,12 +261,27 @@ RosMotion read_ros_motion(std::string_view cdr, const std::string& type, const s
   }
   if (type == ros::TwistWithCovarianceStamped::kType) {
     const auto m = ros::from_cdr<ros::TwistWithCovarianceStamped>(cdr, name);
-    check_variances(m.twist.covariance, "the motion", name);
+    check_variances(m.twist.covariance, kPlanar, "the motion", name);
     return motion_of(m.header, m.header.frame_id, m.twist.twist, name);
   }
   const auto m = ros::from_cdr<ros::Odometry>(cdr, name);
-  check_variances(m.twist.covariance, "the motion", name);
+  check_variances(m.twist.covariance, kPlanar, "the motion", name);
   return motion_of(m.header, m.child_frame_id, m.twist.twist, name);
+}
+
+RosImu read_ros_imu(std::string_view cdr, const std::string& name) {
+  const auto m = ros::from_cdr<ros::Imu>(cdr, name);
+  const RosHeader header{ros::seconds(m.header.stamp), m.header.frame_id};
+  const ros::Vector3 &w = m.angular_velocity, &a = m.linear_acceleration;
+  const ImuSample sample{header.stamp, {w.x, w.y, w.z}, {a.x, a.y, a.z}};
+  if (!(header.stamp > 0.0)) {
+    throw InputError(name + ": a sample without a stamp; expected the time of its measurement");
+  }
+  if (!sample.finite()) {
+    throw InputError(name + ": a sample that is not finite; expected numbers");
+  }
+  check_variances(m.angular_velocity_covariance, {0, 4, 8}, "the turn", name);
+  return {header, sample};
 }
 
 }  // namespace prospect

@@ -9,6 +9,7 @@
 
 #include "adapters/formats/datasets/raw_image.h"
 #include "adapters/formats/datasets/stereo_calibration.h"
+#include "models/imu_sample.h"
 
 namespace prospect {
 
@@ -60,5 +61,13 @@ struct RosMotion {
 /// TwistWithCovarianceStamped that of the header's, by `type`. Refused: what is not finite, and
 /// variances as of a pose.
 RosMotion read_ros_motion(std::string_view cdr, const std::string& type, const std::string& name);
+
+struct RosImu {
+  RosHeader header;
+  ImuSample sample;  ///< in the header's frame
+};
+/// sensor_msgs/msg/Imu. Refused: no stamp, what is not finite, and variances of the angular
+/// velocity as of a pose.
+RosImu read_ros_imu(std::string_view cdr, const std::string& name);
 
 }  // namespace prospect

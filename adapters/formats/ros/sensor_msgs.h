@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "adapters/formats/ros/geometry_msgs.h"
 #include "adapters/formats/ros/std_msgs.h"
 
 namespace prospect::ros {
@@ -120,6 +121,28 @@ struct LaserScan {
     visit("range_max", m.range_max);
     visit("ranges", m.ranges);
     visit("intensities", m.intensities);
+  }
+};
+
+struct Imu {
+  static constexpr const char* kType = "sensor_msgs/msg/Imu";
+  Header header;
+  Quaternion orientation;
+  std::array<double, 9> orientation_covariance = {};
+  Vector3 angular_velocity;
+  std::array<double, 9> angular_velocity_covariance = {};
+  Vector3 linear_acceleration;
+  std::array<double, 9> linear_acceleration_covariance = {};
+
+  template <class Message, class Visit>
+  static void fields(Message& m, Visit&& visit) {
+    visit("header", m.header);
+    visit("orientation", m.orientation);
+    visit("orientation_covariance", m.orientation_covariance);
+    visit("angular_velocity", m.angular_velocity);
+    visit("angular_velocity_covariance", m.angular_velocity_covariance);
+    visit("linear_acceleration", m.linear_acceleration);
+    visit("linear_acceleration_covariance", m.linear_acceleration_covariance);
   }
 };
 

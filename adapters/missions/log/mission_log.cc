@@ -49,6 +49,8 @@ void MissionLog::on_frame(const SensorFrame& frame) {
     if (scan->in_B) messages_.scan(scan->stamp, *scan->in_B, scan->sensor);
   } else if (const auto* wheels = std::get_if<WheelSample>(&frame)) {
     messages_.wheels(*wheels);
+  } else if (const auto* imu = std::get_if<ImuSample>(&frame)) {
+    messages_.imu(*imu);
   } else if (const auto* pair = std::get_if<StereoFrame>(&frame); pair && images_) {
     if (pair->left && pair->right) messages_.pair(pair->left_stamp, *pair->left, *pair->right);
   } else if (const auto* depth = std::get_if<DepthFrame>(&frame); depth && images_) {

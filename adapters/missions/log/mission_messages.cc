@@ -42,6 +42,7 @@ enum Topic : std::size_t {
   kDiagnostics,
   kScan,
   kWheels,
+  kImu,
   kLeft,
   kLeftInfo,
   kRight,
@@ -175,6 +176,7 @@ std::vector<McapLog::Channel> mission_channels(std::size_t depth_sensors) {
                                        channel<ros::DiagnosticArray>("/diagnostics"),
                                        channel<ros::LaserScan>("/scan"),
                                        channel<ros::TwistStamped>("/wheels"),
+                                       channel<ros::Imu>("/imu"),
                                        channel<ros::Image>("/camera/left/image_rect"),
                                        channel<ros::CameraInfo>("/camera/left/camera_info"),
                                        channel<ros::Image>("/camera/right/image_rect"),
@@ -322,6 +324,18 @@ void MissionMessages::wheels(const WheelSample& wheels) {
   message.header = {stamp_at(now), kBody};
   message.twist = {{wheels.velocity.x(), wheels.velocity.y(), 0.0}, {0.0, 0.0, wheels.yaw_rate}};
   put_(kWheels, now, ros::to_cdr(message));
+}
+
+void MissionMessages::imu(const ImuSample& sample) {
+  ros::Imu message;
+  const std::int64_t now = ns(sample.stamp);
+  message.header = {stamp_at(now), kBody};
+  message.orientation_covariance[0] = -1.0;  // none is measured
+  const Eigen::Vector3d w = sample.R_BS * sample.angular_velocity;
+  const Eigen::Vector3d a = sample.R_BS * sample.linear_acceleration;
+  message.angular_velocity = {w.x(), w.y(), w.z()};
+  message.linear_acceleration = {a.x(), a.y(), a.z()};
+  put_(kImu, now, ros::to_cdr(message));
 }
 
 void MissionMessages::pair(double time, const Image& left, const Image& right) {

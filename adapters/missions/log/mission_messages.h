@@ -17,6 +17,7 @@
 #include "adapters/views/page/landmark_picture.h"
 #include "engine/maps/belief.h"
 #include "models/image.h"
+#include "models/imu_sample.h"
 #include "models/robot_description.h"
 #include "perception/fusion/wheel_fusion.h"
 #include "perception/mapping/depth_image.h"
@@ -62,6 +63,7 @@ class MissionMessages {
   /// Of a depth sensor, by its number.
   void scan(double time, const DepthScan& in_B, int sensor = 0);
   void wheels(const WheelSample& wheels);
+  void imu(const ImuSample& sample);
   void pair(double time, const Image& left, const Image& right);
   /// Of a depth sensor whose camera is known, by its number.
   void depth(double time, const DepthImage& image, int sensor = 0);

@@ -60,7 +60,7 @@ std::optional<PreflightFacts::Floor> floor_in(const SensorInbox& inbox, const Ra
 /// What pre-flight waits for. A robot that perceives by itself stamps its beliefs. sensors: how
 /// many depth sensors it has.
 std::vector<WatchedStream> streams_of(const Robot& robot, std::size_t sensors,
-                                      const Guard::Options& limits) {
+                                      const Guard::Options& limits, double max_imu_age) {
   if (robot.beliefs) {
     const auto stamp = [](double SourceStamps::*of) {
       return [of](const Belief* newest) {
@@ -74,9 +74,12 @@ std::vector<WatchedStream> streams_of(const Robot& robot, std::size_t sensors,
   for (const SensorStream stream : robot.streams) {
     const bool ranges = stream == SensorStream::kDepth || stream == SensorStream::kScan;
     const bool pairs = stream == SensorStream::kPair;
+    const bool imu = stream == SensorStream::kImu;
     streams.push_back(watched(*robot.frames, stream,
                               pairs ? "cameras" : std::string(to_string(stream)),
-                              ranges ? limits.max_ranges_age : limits.max_pose_age));
+                              ranges ? limits.max_ranges_age
+                              : imu  ? max_imu_age
+                                     : limits.max_pose_age));
   }
   for (int n = 1; n < static_cast<int>(sensors); ++n) {
     streams.push_back(watched_sensor(*robot.frames, n, limits.max_ranges_age));
@@ -105,12 +108,17 @@ bool has(const Robot& robot, SensorStream stream) {
 /// Whether it has stereo pairs, by which it localizes itself.
 bool has_pairs(const Robot& robot) { return robot.beliefs || has(robot, SensorStream::kPair); }
 
+/// Whether its pose is that of its wheels alone.
+bool goes_by_wheels(const Robot& robot) {
+  return !has_pairs(robot) && has(robot, SensorStream::kWheels) && !has(robot, SensorStream::kPose);
+}
+
 PerceptionPipeline pipeline_of(const Robot& robot, const Configuration& c,
                                const RangeCameras& depth) {
   PerceptionOptions options = live_perception(c, depth, robot.start);
   if (has_pairs(robot)) return PerceptionPipeline(c.robot.stereo, options);
   // Its pose comes from outside, or of its wheels alone.
-  options.wheels = has(robot, SensorStream::kWheels) && !has(robot, SensorStream::kPose);
+  options.wheels = goes_by_wheels(robot);
   return PerceptionPipeline(options);
 }
 
@@ -177,9 +185,11 @@ ExplorationRunResult live_mission(const Robot& robot, const Configuration& c,
                           .model = c.robot.model,
                           .dead_man = robot.base->dead_man(),
                           .inbox = robot.frames.get(),
+                          .pose_of_wheels = goes_by_wheels(robot),
                           .ranges = range_check(*robot.frames, stop, depth),
                           .emergency_stop = robot.emergency_stop,
-                          .streams = streams_of(robot, c.robot.depth_sensors().size(), limits),
+                          .streams = streams_of(robot, c.robot.depth_sensors().size(), limits,
+                                                c.drive.inbox.max_wheel_age),
                           .requests = options.requests};
   PreflightInputs inputs;
   inputs.known.body = c.robot.slice();

@@ -99,6 +99,7 @@ std::vector<Link> dds_links(const DdsOptions& o, const SensorInboxOptions& inbox
     sensor("more scans", more.scan, inbox.max_range_age, known_to_tf, "");
     sensor("more point clouds", more.point_cloud, inbox.max_range_age, known_to_tf, "");
   }
+  sensor("imu", o.imu, inbox.max_wheel_age, known_to_tf, "finite numbers");
   for (const std::string& topic : {o.tf, o.tf_static}) {
     add({.signal = "transforms",
          .topic = topic,

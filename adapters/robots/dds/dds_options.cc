@@ -289,6 +289,7 @@ DdsOptions read_dds_options(const std::string& path, const RosArguments& argumen
   if (o.depth.image.empty() && o.scan.empty() && o.point_cloud.empty()) {
     root.problem("depth", "nothing measures ranges; expected depth.image, scan or point_cloud");
   }
+  o.imu = topics.read(root, "imu", "", "sensor_msgs/msg/Imu", Empty::kAllowed);
   o.mounts_from_tf = root.choice("mounts", o.mounts_from_tf ? "tf" : "robot", {"robot", "tf"},
                                  "where cameras are: the robot's description, or tf") == "tf";
   read_odometry(root, topics, o);

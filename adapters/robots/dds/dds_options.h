@@ -71,6 +71,7 @@ struct DdsOptions {
     std::string scan, point_cloud;
   };
   std::vector<MoreDepth> more_depth;
+  std::string imu;  ///< sensor_msgs/msg/Imu, of frames.base or a frame that tf fixes to it
   /// Whether its topics tell what its range sensor has in view; a cloud of points does not.
   bool tells_view() const { return !depth.image.empty() || !scan.empty(); }
   /// Cameras are where tf says, in frames.base; else where the robot's description says.

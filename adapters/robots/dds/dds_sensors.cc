@@ -166,6 +166,14 @@ struct DdsSensors::Impl {
     take_rays(rays_of(scan), header.stamp, T, sensor);
   }
 
+  void take_imu(std::string_view cdr, const std::string& name) const {
+    RosImu told = read_ros_imu(cdr, name);
+    if (without_slash(told.header.frame) != options.frames.base) {
+      told.sample.R_BS = Eigen::Quaterniond(in_base(told.header, name).linear());
+    }
+    inbox.observe(told.sample);
+  }
+
   static DdsLidar lidar_of(const RosLaserScan& scan, const Eigen::Isometry3d& T) {
     const double span = scan.angle_increment * static_cast<double>(scan.ranges.size());
     const double middle = scan.angle_min + 0.5 * (span - scan.angle_increment);
@@ -358,6 +366,12 @@ DdsSensors::DdsSensors(const DdsOptions& options, DdsNode& node, DdsTransforms& 
                                      sensor);
                    });
   };
+  if (!options.imu.empty()) {
+    constexpr DdsQos kImuQos{false, false, 50};
+    node.subscribe(
+        options.imu, ros::definition_of<ros::Imu>(), kImuQos,
+        [impl](std::string_view cdr, const std::string& name) { impl->take_imu(cdr, name); });
+  }
   scans(options.scan, 0);
   clouds(options.point_cloud, 0);
   for (std::size_t n = 0; n < options.more_depth.size(); ++n) {

@@ -81,6 +81,7 @@ Robot make_robot(const DdsRobotConfiguration& options) {
   robot.frames = {parts, &parts->inbox};
   robot.streams = {cameras.depth ? SensorStream::kDepth : SensorStream::kScan};
   if (!options.topics.odometry.empty()) robot.streams.push_back(SensorStream::kWheels);
+  if (!options.topics.imu.empty()) robot.streams.push_back(SensorStream::kImu);
   if (parts->pose) robot.streams.insert(robot.streams.begin(), SensorStream::kPose);
   if (cameras.stereo) robot.streams.insert(robot.streams.begin(), SensorStream::kPair);
   if (parts->pose) robot.start = parts->pose->wait();

@@ -17,7 +17,8 @@ SensorInboxOptions FaultyFrames::inbox_options(SensorInboxOptions options,
                                                const std::vector<InjectedFault>& faults) {
   if (has_sensors_clock(faults)) {
     options.cameras_in_runtime_clock = options.depth_in_runtime_clock =
-        options.scan_in_runtime_clock = options.poses_in_runtime_clock = false;
+        options.scan_in_runtime_clock = options.poses_in_runtime_clock =
+            options.imu_in_runtime_clock = false;
   }
   return options;
 }
@@ -93,12 +94,13 @@ void FaultyFrames::observe(const SensorFrame& frame) {
                                FaultSource::kCameras, FaultSource::kClock});
   const auto* const image = std::get_if<DepthFrame>(&frame);
   const auto* const rays = std::get_if<ScanFrame>(&frame);
-  if ((image && image->sensor != 0) || (rays && rays->sensor != 0)) {
+  if ((image && image->sensor != 0) || (rays && rays->sensor != 0) ||
+      std::holds_alternative<ImuSample>(frame)) {
     SensorFrame told = frame;
     const double time = clock_.now() - start_;
     std::visit(
         [&](auto& f) {
-          if constexpr (requires { f.sensor; }) {
+          if constexpr (requires { f.stamp; }) {
             f.stamp = sensors_clock(faults_, start_, f.stamp, time);
           }
         },

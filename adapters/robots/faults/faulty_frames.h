@@ -20,7 +20,8 @@ namespace prospect {
 
 /// Stereo pairs, poses, depth images and scans of any robot on their way into an inbox, with
 /// injected faults of cameras, depth sensor and their clock (injected_fault.h). A pose from outside
-/// has the faults of both cameras. Without a fault of theirs they pass as they are.
+/// has the faults of both cameras, an IMU those of their clock. Without a fault of theirs they pass
+/// as they are.
 ///
 /// Thread-safety: any thread. Nothing throws after construction, but for want of memory.
 class FaultyFrames final : public FrameSink {

@@ -207,6 +207,16 @@ TEST(GoalPlanner, GivesUpAWayThatItCannotGet) {
       << frontier_planner.facts().why;
 }
 
+// What it gives away and regains is no progress, however far it goes.
+TEST(GoalPlanner, WhoGoesToAndFroBeforeItsGoalIsStalled) {
+  GoalPlanner planner({}, to(6, 1.5), 2.0);
+  const GroundMap map = two_rooms(true);
+  for (double t = 0.0; t <= 6.0; t += 0.5) {
+    planner.update(map, at(2.6 + 0.7 * std::cos(0.5 * M_PI * t), 2.6), t, {});
+    EXPECT_EQ(planner.facts().stalled, t >= 3.0) << t;
+  }
+}
+
 TEST(GoalPlanner, AWayThroughTheKnownIsPreferredByThePrice) {
   // A known detour of twice the straight way, which is unknown.
   GroundMap map = test::known_room(80, [](int) { return false; });

@@ -210,6 +210,26 @@ TEST(MessageFields, OfPointCloud2) {
   });
 }
 
+TEST(MessageFields, OfImu) {
+  ros::Imu imu;
+  imu.header = {{5, 7}, "imu_link"};
+  imu.angular_velocity = {1.0, 2.0, 3.0};
+  imu.linear_acceleration = {4.0, 5.0, 6.0};
+  check<ros::Imu>({imu}, [](std::string_view cdr) {
+    const RosImu m = read_ros_imu(cdr, "m");
+    const Eigen::Vector3d &w = m.sample.angular_velocity, &a = m.sample.linear_acceleration;
+    return text(m.header.stamp, w.x(), w.y(), w.z(), a.x(), a.y(), a.z()) + m.header.frame;
+  });
+  imu.angular_velocity_covariance[0] = -1.0;
+  EXPECT_THROW(read_ros_imu(ros::to_cdr(imu), "m"), InputError) << "it has no gyro";
+  imu.angular_velocity_covariance[0] = 0.0;
+  imu.angular_velocity.y = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(read_ros_imu(ros::to_cdr(imu), "m"), InputError);
+  imu.angular_velocity.y = 0.0;
+  imu.header.stamp = {};
+  EXPECT_THROW(read_ros_imu(ros::to_cdr(imu), "m"), InputError);
+}
+
 ros::TransformStamped transform() {
   ros::TransformStamped t;
   t.header = {{5, 7}, "odom"};

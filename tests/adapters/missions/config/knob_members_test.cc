@@ -504,9 +504,10 @@ TEST(KnobMembers, EveryNumberAndSwitchOfDrivingIsAKnob) {
   }
   {
     CommandFollowingOptions o;
-    [[maybe_unused]] auto& [lag, slip, hold, least_speed, least_rate, more_distance, turn,
-                            less_distance] = o;
-    EXPECT_KNOBS(o, lag, slip, hold, least_speed, least_rate, more_distance, turn, less_distance);
+    [[maybe_unused]] auto& [lag, slip, hold, least_speed, least_rate, gyro_bias, more_distance,
+                            turn, less_distance] = o;
+    EXPECT_KNOBS(o, lag, slip, hold, least_speed, least_rate, gyro_bias, more_distance, turn,
+                 less_distance);
   }
   {
     DriverOptions o;
@@ -537,11 +538,11 @@ TEST(KnobMembers, EveryNumberAndSwitchOfDrivingIsAKnob) {
     [[maybe_unused]] auto& [pair_tolerance, capacity, wheel_capacity, max_image_age, max_wheel_age,
                             max_range_age, cameras_in_runtime_clock, wheels_in_runtime_clock,
                             depth_in_runtime_clock, scan_in_runtime_clock, poses_in_runtime_clock,
-                            one_clock, clock_drift, pose_jump] = o;
+                            imu_in_runtime_clock, one_clock, clock_drift, pose_jump] = o;
     EXPECT_KNOBS(o, pair_tolerance, capacity, wheel_capacity, max_image_age, max_wheel_age,
                  max_range_age, cameras_in_runtime_clock, wheels_in_runtime_clock,
-                 depth_in_runtime_clock, scan_in_runtime_clock, poses_in_runtime_clock, one_clock,
-                 clock_drift);
+                 depth_in_runtime_clock, scan_in_runtime_clock, poses_in_runtime_clock,
+                 imu_in_runtime_clock, one_clock, clock_drift);
   }
   {
     PoseJumpOptions o;

@@ -186,6 +186,11 @@ TEST_F(MissionLogTest, EveryTopicHasItsMessage) {
     const DepthScan scan{{0.0, 0.0, 0.4}, {{1.0, 0.0, 0.4}}, {{0.0, 2.0, 0.4}}};
     log.on_frame(ScanFrame{2.0, std::make_shared<const DepthScan>(scan)});
     log.on_frame(WheelSample{2.0, {0.3, 0.0}, 0.1});
+    ImuSample turning;
+    turning.stamp = 2.0;
+    turning.angular_velocity.y() = 0.25;
+    turning.R_BS = Eigen::AngleAxisd(M_PI / 2.0, Eigen::Vector3d::UnitX());
+    log.on_frame(turning);
     log.on_frame(pair_at(2.0));
     log.on_frame(DepthFrame{2.0, std::make_shared<const DepthImage>(4, 3, 1.25F)});
     log.on_frame(DepthFrame{2.0, std::make_shared<const DepthImage>(2, 1, 1.0F), 1});
@@ -200,7 +205,7 @@ TEST_F(MissionLogTest, EveryTopicHasItsMessage) {
     return topic && !topic->messages.empty() ? bag.read(topic->messages[0]) : std::string();
   };
   for (const char* name : {"/map", "/plan", "/plan/markers", "/plan/step", "/diagnostics",
-                           "/truth/odometry", "/wheels"}) {
+                           "/truth/odometry", "/wheels", "/imu"}) {
     EXPECT_FALSE(message(name).empty()) << name;
   }
   const std::string odometry_bytes = message("/odometry");
@@ -212,6 +217,11 @@ TEST_F(MissionLogTest, EveryTopicHasItsMessage) {
   EXPECT_EQ(odometry.pose.covariance[6 * 5], 0.75) << "of yaw and x";
   EXPECT_EQ(odometry.twist.twist.angular.z, 0.125);
   EXPECT_EQ(bag.find("/odometry")->messages[0].time, 1'000'000'001'500'000'000);
+  const std::string imu_bytes = message("/imu");
+  const auto imu = ros::from_cdr<ros::Imu>(imu_bytes, "imu");
+  EXPECT_EQ(imu.header.frame_id, "base_link");
+  EXPECT_NEAR(imu.angular_velocity.z, 0.25, 1e-12) << "in the body's axes";
+  EXPECT_EQ(imu.orientation_covariance[0], -1.0) << "it has none";
   const std::string log_bytes = message("/rosout");
   const auto said = ros::from_cdr<ros::Log>(log_bytes, "log");
   EXPECT_EQ(said.level, ros::Log::kError);

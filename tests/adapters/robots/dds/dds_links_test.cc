@@ -27,6 +27,7 @@ TEST(DdsLinks, EachTopicThatIsReadOrCommandedHasAContract) {
   o.acknowledge = "/acknowledge";
   o.scan = "/scan";
   o.pose.topic = "/pose";
+  o.imu = "/imu/data";
   o.command.plain = "/cmd_vel_plain";
   o.command.relay = "/to_relay";
   o.emergency_stop_contract = {.publishers = 2, .max_age = 0.7};
@@ -34,7 +35,7 @@ TEST(DdsLinks, EachTopicThatIsReadOrCommandedHasAContract) {
   for (const std::string& topic :
        {o.stereo.left, o.stereo.right, o.stereo.left_info, o.stereo.right_info, o.depth.image,
         o.depth.info, o.scan, o.odometry, o.emergency_stop, o.acknowledge, o.tf, o.tf_static,
-        o.command.stamped, o.command.plain, o.command.relay, o.pose.topic}) {
+        o.command.stamped, o.command.plain, o.command.relay, o.pose.topic, o.imu}) {
     EXPECT_TRUE(of_topic(links, topic)) << topic;
   }
   EXPECT_FALSE(of_topic(links, o.output.map));

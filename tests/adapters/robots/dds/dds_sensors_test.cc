@@ -211,6 +211,44 @@ TEST(DdsSensors, EachDepthSensorHasItsNumberItsPlaceAndItsView) {
   EXPECT_EQ(inbox.ranges(2).scan.in_B->origin.z(), 0.4);
 }
 
+// In the body's axes by tf; one of a frame that tf does not know says nothing, and is named.
+TEST(DdsSensors, AnImuGoesIntoTheInboxWithItsAxes) {
+  DdsOptions o = options();
+  o.imu = "/imu/data";
+  const SteadyClock clock;
+  SensorInbox inbox(clock, in_runtime_clock(SensorInboxOptions()));
+  DdsNode node(test::dds_test_address("prospect"));
+  DdsTransforms transforms(node);
+  const DdsSensors sensors(o, node, transforms, inbox);
+  node.start();
+  Robot robot(o);
+  DdsNode other(test::dds_test_address("imu"));
+  const int topic = other.advertise<ros::Imu>(o.imu, kSensorQos);
+  other.start();
+  const auto told = [&](const char* frame, double rate) {
+    ros::Imu m;
+    m.header = {ros::time_of(clock.now()), frame};
+    m.angular_velocity = {rate, 0.0, 0.5};
+    other.publish(topic, m);
+  };
+  EXPECT_TRUE(within(
+      kPatience, [&] { return !node.fault(o.imu).empty(); }, [&] { told("nowhere", 0.0); }));
+  EXPECT_THAT(node.fault(o.imu), HasSubstr("no transform from 'nowhere' to 'base_link'"));
+  EXPECT_EQ(inbox.count(SensorStream::kImu).received, 0u);
+  ASSERT_TRUE(within(
+      kPatience, [&] { return !inbox.imu_since(0.0).empty(); },
+      [&] {
+        robot.publish_transforms();
+        told("lidar", 0.3);
+      }));
+  const ImuSample turned = inbox.imu_since(0.0).back();
+  EXPECT_EQ(turned.yaw_rate(), 0.5);
+  EXPECT_NEAR((turned.R_BS * turned.angular_velocity).y(), 0.3, 1e-6) << "it looks to the left";
+  ASSERT_TRUE(within(
+      kPatience, [&] { return inbox.imu_since(0.0).back().R_BS.w() == 1.0; },
+      [&] { told("base_link", 0.3); }));
+}
+
 TEST(DdsSensors, ImagesDepthsAndScansGoIntoTheInbox) {
   const DdsOptions o = options();
   const SteadyClock clock;

@@ -38,6 +38,8 @@ TEST(TypeHash, IsTheOneThatRos2Publishes) {
        "RIHS01_15640771531571185e2efc8a100baf923961a4d15d5569652e6cb6691e8e371a"},
       {ros::definition_of<ros::LaserScan>(),
        "RIHS01_64c191398013af96509d518dac71d5164f9382553fce5c1f8cca5be7924bd828"},
+      {ros::definition_of<ros::Imu>(),
+       "RIHS01_7d9a00ff131080897a5ec7e26e315954b8eae3353c3f995c55faf71574000b5b"},
       {ros::definition_of<ros::PointCloud2>(),
        "RIHS01_9198cabf7da3796ae6fe19c4cb3bdd3525492988c70522628af5daa124bae2b5"},
       {ros::definition_of<ros::Odometry>(),
