@@ -5,11 +5,13 @@
 #include <cmath>
 #include <limits>
 #include <utility>
+#include <vector>
 
 #include "engine/support/stopwatch.h"
 #include "models/knobs.h"
 #include "models/parameter_check.h"
 #include "models/reason.h"
+#include "perception/mapping/moving_surface.h"
 #include "perception/odometry/rotation_between.h"
 
 namespace prospect {
@@ -132,8 +134,34 @@ void DepthMapper::correct(MappedFrame& frame) const {
   z += k_height * (frame.ground.height - z);
 }
 
+double DepthMapper::floor_margin(const MappedFrame& frame, double z) const {
+  const double height = std::max(0.0, frame.T_WC.translation().z());
+  return std::clamp(options_.ground.gate * ground_sigma(height, z, options_.ground),
+                    options_.floor_margin, options_.most_margin);
+}
+
+std::vector<char> DepthMapper::find_moving(const DepthImage& image, const MappedFrame& frame,
+                                           const MotionInView& motion) const {
+  PointLattice lattice;
+  lattice.stride = stride_;
+  for (int v = stride_ / 2; v < image.height; v += stride_, ++lattice.rows) {
+    lattice.columns = 0;
+    for (int u = stride_ / 2; u < image.width; u += stride_, ++lattice.columns) {
+      const double z = image.at(u, v);
+      const bool valid = options_.range.holds(z);
+      Eigen::Vector3d p = Eigen::Vector3d::Zero();
+      if (valid) p = z * pixel_ray(camera_, u, v);
+      const double above = frame.ground.found ? frame.ground.above(p) : (frame.T_WC * p).z();
+      lattice.points.push_back(p);
+      lattice.solid.push_back(valid && above > floor_margin(frame, z));
+    }
+  }
+  return moving_surface(camera_, image, lattice, frame.T_WC.inverse() * motion, options_.edge);
+}
+
 /// False if too much lies below the floor.
-bool DepthMapper::make_scan(const DepthImage& image, MappedFrame& frame, DepthScan& scan) const {
+bool DepthMapper::make_scan(const DepthImage& image, const std::vector<char>& moving,
+                            MappedFrame& frame, DepthScan& scan) const {
   const DepthRange& range = options_.range;
   const Eigen::Matrix3d R = frame.T_WC.linear();
   const Eigen::Vector3d t = frame.T_WC.translation();
@@ -151,10 +179,16 @@ bool DepthMapper::make_scan(const DepthImage& image, MappedFrame& frame, DepthSc
     const bool may_be_farther_b = !range.holds(b) || b > z + jump;
     return (may_be_nearer_a && may_be_farther_b) || (may_be_farther_a && may_be_nearer_b);
   };
+  std::size_t pixel = 0;
   for (int v = stride_ / 2; v < image.height; v += stride_) {
-    for (int u = stride_ / 2; u < image.width; u += stride_) {
+    for (int u = stride_ / 2; u < image.width; u += stride_, ++pixel) {
       const double z = image.at(u, v);
       if (!range.holds(z)) continue;
+      if (!moving.empty() && moving[pixel]) {
+        scan.passing.push_back(R * (z * pixel_ray(camera_, u, v)) + t);
+        ++frame.moving;
+        continue;
+      }
       if (u > 0 && u + 1 < image.width && between(image.at(u - 1, v), z, image.at(u + 1, v))) {
         continue;
       }
@@ -166,9 +200,7 @@ bool DepthMapper::make_scan(const DepthImage& image, MappedFrame& frame, DepthSc
       ++points;
       far_below += p_W.z() < -kFarBelow;
       const double above = frame.ground.found ? frame.ground.above(p) : p_W.z();
-      const double margin =
-          std::clamp(options_.ground.gate * ground_sigma(std::max(0.0, t.z()), z, options_.ground),
-                     options_.floor_margin, options_.most_margin);
+      const double margin = floor_margin(frame, z);
       if (above < -margin) {
         // By the measured plane and by the pose: then the ray went on through the floor's plane.
         const double through = -std::max(margin, map_->options().slice.step);
@@ -191,7 +223,8 @@ bool DepthMapper::make_scan(const DepthImage& image, MappedFrame& frame, DepthSc
 }
 
 MappedFrame DepthMapper::process(double stamp, const DepthImage& image,
-                                 const Eigen::Isometry3d& T_WC, Localization pose) {
+                                 const Eigen::Isometry3d& T_WC, Localization pose,
+                                 const MotionInView* motion) {
   ProcessorStopwatch clock;
   MappedFrame out;
   out.stamp = stamp;
@@ -234,10 +267,12 @@ MappedFrame DepthMapper::process(double stamp, const DepthImage& image,
   correct(out);
   out.times.ground = clock.lap();
   DepthScan scan;
-  const bool plausible = make_scan(image, out, scan);
+  std::vector<char> moving;
+  if (motion != nullptr && !motion->moving.empty()) moving = find_moving(image, out, *motion);
+  const bool plausible = make_scan(image, moving, out, scan);
   out.times.scan = clock.lap();
   if (!plausible) {
-    out.hits = out.floor = out.misses = out.below = 0;
+    out.hits = out.floor = out.misses = out.below = out.moving = 0;
     return reject("too much lies below the floor");
   }
   poses_.accept(stamp, T_WC);

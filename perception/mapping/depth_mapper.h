@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "engine/maps/localization.h"
 #include "models/camera.h"
@@ -14,6 +15,7 @@
 #include "perception/mapping/occupancy_mapper.h"
 #include "perception/mapping/pose_check.h"
 #include "perception/mapping/repeated_content.h"
+#include "perception/odometry/motion_in_view.h"
 
 namespace prospect {
 
@@ -78,6 +80,7 @@ struct MappedFrame {
   double valid = 0.0;                   ///< share of the pixels
   int hits = 0, floor = 0, misses = 0;  ///< rays entered: at obstacles, at the floor, beyond range
   int below = 0;                        ///< ... that went on through the floor's plane
+  int moving = 0;                       ///< rays that met what moves
   DepthMapperTimes times;
 };
 
@@ -93,9 +96,10 @@ struct MappedFrame {
 ///   floor      |e| <= margin: entered as a hit just below z = 0, at its x and y. So it clears what
 ///              is above it, makes the layer below z = 0 occupied, and is never an obstacle;
 ///   an edge    between two surfaces: says nothing;
-///   obstacle   e > margin: a hit; beyond the map's range, a ray that clears up to that range;
-///   below      e < -margin: where it is deeper than the robot's step, too, by the measured plane
-///   and
+///   moving     of what moves against the world (moving_surface.h): clears up to it, is no
+///   obstacle; obstacle   e > margin: a hit; beyond the map's range, a ray that clears up to that
+///   range; below      e < -margin: where it is deeper than the robot's step, too, by the measured
+///   plane and
 ///              by the pose, a hit there, so the floor is missing where the ray went through its
 ///              plane (OccupancyMapper); else it says nothing.
 /// A pixel without a valid depth says nothing: it neither clears nor occupies.
@@ -118,9 +122,10 @@ class DepthMapper {
   explicit DepthMapper(const PinholeCamera& camera, const DepthMapperOptions& options = {},
                        std::shared_ptr<OccupancyMapper> map = nullptr);
 
-  /// `pose`: what the odometry says of T_WC.
+  /// `pose`: what the odometry says of T_WC. `motion`: landmarks in W where they were at the time;
+  /// null: nothing moves.
   MappedFrame process(double stamp, const DepthImage& image, const Eigen::Isometry3d& T_WC,
-                      Localization pose = Localization::kOk);
+                      Localization pose = Localization::kOk, const MotionInView* motion = nullptr);
 
   OccupancyMapper& map() { return *map_; }
   int stride() const { return stride_; }  ///< s
@@ -130,7 +135,14 @@ class DepthMapper {
   bool check_image(const DepthImage& image, const std::optional<Eigen::Isometry3d>& pose,
                    MappedFrame& out);
   void correct(MappedFrame& frame) const;
-  bool make_scan(const DepthImage& image, MappedFrame& frame, DepthScan& scan) const;
+  /// How far from the floor a point of it at depth z may seem [m].
+  double floor_margin(const MappedFrame& frame, double z) const;
+  /// Which pixels that become rays show what moves, in their order.
+  std::vector<char> find_moving(const DepthImage& image, const MappedFrame& frame,
+                                const MotionInView& motion) const;
+  /// moving: as find_moving(), or empty.
+  bool make_scan(const DepthImage& image, const std::vector<char>& moving, MappedFrame& frame,
+                 DepthScan& scan) const;
 
   PinholeCamera camera_;
   DepthMapperOptions options_;

@@ -165,8 +165,10 @@ DepthScan transform(const DepthScan& scan_B, const Pose& pose) {
   scan.origin = R * scan_B.origin + pose.position;
   scan.hits.reserve(scan_B.hits.size());
   scan.misses.reserve(scan_B.misses.size());
+  scan.passing.reserve(scan_B.passing.size());
   for (const auto& p : scan_B.hits) scan.hits.emplace_back(R * p + pose.position);
   for (const auto& p : scan_B.misses) scan.misses.emplace_back(R * p + pose.position);
+  for (const auto& p : scan_B.passing) scan.passing.emplace_back(R * p + pose.position);
   return scan;
 }
 
@@ -831,6 +833,12 @@ void OccupancyMapper::insert(const DepthScan& scan) {
     const double range = ray.norm();
     if (!std::isfinite(range) || range < 1e-9) continue;
     walk_miss(ray / range);
+  }
+  for (const Eigen::Vector3d& point : scan.passing) {
+    const Eigen::Vector3d ray = point - scan.origin;
+    const double range = ray.norm();
+    if (!std::isfinite(range) || range < 1e-9) continue;
+    m.mark_ray(scan.origin, scan.origin + std::min(1.0, max_range / range) * ray, false);
   }
   m.mark_abreast(scan.origin);
   m.mark_floor(scan.origin);

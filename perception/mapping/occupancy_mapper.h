@@ -31,6 +31,8 @@ struct DepthScan {
   std::vector<Eigen::Vector3d> hits;
   /// Any point on each ray (beyond the origin) that met nothing within the sensor's range.
   std::vector<Eigen::Vector3d> misses;
+  /// Where rays met what does not stay: they clear up to there, and say nothing of what is there.
+  std::vector<Eigen::Vector3d> passing{};
   /// How far the sensor measures [m], > 0; what the map's max_range is beyond it does not count.
   double reach = std::numeric_limits<double>::infinity();
 };

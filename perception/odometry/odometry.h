@@ -12,6 +12,7 @@
 #include "engine/maps/landmark_map.h"
 #include "engine/maps/localization.h"
 #include "models/image.h"
+#include "perception/odometry/motion_in_view.h"
 
 namespace prospect {
 
@@ -102,6 +103,9 @@ class Odometry {
     (void)frames;
     return std::nullopt;
   }
+
+  /// Landmarks of what moves against the world at the newest frame, and of the world, in C.
+  virtual MotionInView motion_in_view() const { return {}; }
 };
 
 }  // namespace prospect

@@ -692,6 +692,20 @@ const std::vector<LandmarkSighting>& StereoOdometry::sightings() const { return 
 
 const std::vector<std::uint64_t>& StereoOdometry::given_up() const { return impl_->given_up; }
 
+MotionInView StereoOdometry::motion_in_view() const {
+  MotionInView motion;
+  const std::optional<Isometry3d> other = impl_->second.expected(impl_->trusted.stamp);
+  if (!other) return motion;
+  for (const Track& t : impl_->tracks) {
+    if (t.moving) {
+      motion.moving.push_back(*other * t.position);
+    } else if (t.inlier) {
+      motion.still.push_back(impl_->trusted.T_CW * t.position);
+    }
+  }
+  return motion;
+}
+
 std::optional<Matrix6d> StereoOdometry::covariance_since(int frames) const {
   const auto& remembered = impl_->remembered;
   const auto now = remembered.find(impl_->frame);

@@ -55,6 +55,10 @@ class StereoOdometry final : public Odometry {
   /// frames.
   std::optional<Eigen::Matrix<double, 6, 6>> covariance_since(int frames) const override;
 
+  /// Of what moves those that are found, or were in one of the max_misses frames before: then where
+  /// they are if they went on.
+  MotionInView motion_in_view() const override;
+
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;

@@ -18,6 +18,7 @@
 #include "models/parameter_check.h"
 #include "models/reason.h"
 #include "models/robot_description.h"
+#include "perception/mapping/moving_surface.h"
 #include "perception/mapping/pose_check.h"
 #include "perception/odometry/body_pose.h"
 #include "perception/odometry/lattice_cell.h"
@@ -184,6 +185,12 @@ InputResult PerceptionPipeline::stereo(const StampedPair& pair) {
   fusion_.add(reader_.read(frame_));
   if (measured) pose_at_fix_ = fusion_.at(stamp).pose;
   if (frame_.keyframe) count_landmarks();
+  const MotionInView in_C = odometry_->motion_in_view();
+  motion_.reset();
+  if (!in_C.moving.empty()) {
+    motion_ =
+        std::make_shared<const MotionInView>(body(stamp).T_WB * options_.stereo_mount.T_BC * in_C);
+  }
   history_.add(stamp, body(stamp));
   enter_waiting();
   return {InputState::kTaken, frame_.reason};
@@ -340,7 +347,7 @@ void PerceptionPipeline::enter_waiting() {
 MappedFrame PerceptionPipeline::enter_depth(const Waiting& input, const BodyPose& body) {
   const CameraMount& mount = options_.more_depth_cameras.at(input.sensor).mount;
   return mappers_.at(input.sensor)
-      .process(input.stamp, *input.depth, body.T_WB * mount.T_BC, body.state);
+      .process(input.stamp, *input.depth, body.T_WB * mount.T_BC, body.state, body.motion.get());
 }
 
 MappedFrame PerceptionPipeline::enter_scan(const Waiting& input, const BodyPose& body) {
@@ -429,6 +436,7 @@ BodyPose PerceptionPipeline::body(double stamp) const {
     body.T_WB = options_.start_in_space.value_or(body_transform(options_.start));
     body.state = Localization::kLost;
   }
+  body.motion = motion_;
   if (!options_.wheels) body.pose = body_pose(body.T_WB);
   if (!options_.start_in_space) {
     body.pose.position.z() = options_.start.position.z();

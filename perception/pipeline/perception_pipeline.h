@@ -115,8 +115,9 @@ struct ExternalPose {
 /// all into one map, each ray from where its sensor is. What is held against the stereo pair is the
 /// first depth camera.
 /// Where the pose of its time is degraded or lost neither does, as what a wrong pose enters is not
-/// taken out again. Without either nothing is mapped: map_state() says so, and the belief's maps
-/// hold what map() was given.
+/// taken out again. What the odometry found to move is no obstacle in the map: rays of depth images
+/// clear up to it (moving_surface.h). Without either nothing is mapped: map_state() says so, and
+/// the belief's maps hold what map() was given.
 ///
 /// Sensors against each other. Depths of the stereo pair are compared with those of the depth
 /// camera where both look at the same time (depth_agreement.h), lengths by vision with those by
@@ -247,8 +248,9 @@ class PerceptionPipeline {
   Corrections corrections_;
   double newest_wheels_ = 0.0;
   OdometryFrame frame_;
-  Pose pose_at_fix_;                         // when the odometry last took a pose
-  std::shared_ptr<const DepthImage> depth_;  // the newest
+  std::shared_ptr<const MotionInView> motion_;  // at the newest pair, in W; null: nothing moves
+  Pose pose_at_fix_;                            // when the odometry last took a pose
+  std::shared_ptr<const DepthImage> depth_;     // the newest
   ScaleAgreement agreement_;     // of the newest pair and depth image that say something
   std::deque<Waiting> waiting_;  // by stamp
   MappedFrame mapped_;

@@ -30,6 +30,7 @@ std::optional<BodyPose> PoseHistory::at(double stamp) const {
   between.T_WB.translation() =
       from.T_WB.translation() + share * (to.T_WB.translation() - from.T_WB.translation());
   between.state = std::max(from.state, to.state);
+  between.motion = share < 0.5 ? from.motion : to.motion;
   return between;
 }
 

@@ -3,11 +3,13 @@
 
 #include <Eigen/Geometry>
 #include <deque>
+#include <memory>
 #include <optional>
 #include <utility>
 
 #include "engine/maps/localization.h"
 #include "models/types.h"
+#include "perception/odometry/motion_in_view.h"
 
 namespace prospect {
 
@@ -17,6 +19,8 @@ struct BodyPose {
   /// T_WB in space; of a body that moves in the plane, that of `pose`.
   Eigen::Isometry3d T_WB = Eigen::Isometry3d::Identity();
   Localization state = Localization::kOk;
+  /// What was in view then, in W; null: nothing moves.
+  std::shared_ptr<const MotionInView> motion{};
 };
 
 /// Where a body was of late, as it was believed then; nothing is corrected afterwards.
@@ -29,7 +33,8 @@ class PoseHistory {
   /// Stamps are finite and increase [s].
   void add(double stamp, const BodyPose& pose);
   /// Between two poses: positions straight on, yaw and rotation each the shorter way round, the
-  /// worse state. Nothing before the first and after the newest.
+  /// worse state, the motion in view of the nearer one. Nothing before the first and after the
+  /// newest.
   std::optional<BodyPose> at(double stamp) const;
   std::optional<double> newest() const;
 

@@ -29,6 +29,13 @@ class RenderedRoom {
     }
   }
 
+  /// The pillar stands so far from where it stood at first [m], with its texture.
+  void move_pillar(const Eigen::Vector3d& by) { moved_ = by; }
+  /// Distance of a point from the room's walls, floor and ceiling [m].
+  double to_room(const Eigen::Vector3d& p) const {
+    return std::min((p - room_.low).cwiseAbs().minCoeff(), (p - room_.high).cwiseAbs().minCoeff());
+  }
+
   /// Depth along the optical axis of the surface that pixel (u, v) shows [m].
   double depth(const PinholeCamera& camera, const Eigen::Isometry3d& T_WC, double u,
                double v) const {
@@ -98,13 +105,15 @@ class RenderedRoom {
     // Outside of the pillar: where the ray enters it.
     double enter = 0.0, leave = kFar;
     for (int i = 0; i < 3; ++i) {
-      const double a = (pillar_.low[i] - origin[i]) / ray[i];
-      const double b = (pillar_.high[i] - origin[i]) / ray[i];
+      const double a = (pillar_.low[i] + moved_[i] - origin[i]) / ray[i];
+      const double b = (pillar_.high[i] + moved_[i] - origin[i]) / ray[i];
       enter = std::max(enter, std::min(a, b));
       leave = std::min(leave, std::max(a, b));
     }
-    if (enter > 0.0 && enter < leave) t = std::min(t, enter);
+    const bool pillar = enter > 0.0 && enter < std::min(leave, t);
+    if (pillar) t = enter;
     hit = origin + t * ray;
+    if (pillar) hit -= moved_;
     return t;  // the ray's component along the optical axis is 1
   }
 
@@ -166,6 +175,7 @@ class RenderedRoom {
   std::array<int, kOctaves> points_{};  // of the lattice in a period
   // Not on the lattice of the texture.
   Box room_{{-3.03, -2.51, 0.013}, {5.07, 2.77, 2.61}};
+  Eigen::Vector3d moved_ = Eigen::Vector3d::Zero();
   Box pillar_{{2.53, -0.71, 0.013}, {3.17, 0.11, 1.83}};
 };
 

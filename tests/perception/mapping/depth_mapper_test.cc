@@ -199,6 +199,46 @@ DepthImage with_mixed_pixels(const DepthImage& image) {
   return mixed;
 }
 
+TEST(DepthMapper, WhatMovesIsNoObstacleAndChangesNothingElse) {
+  NOT_UNDER_SANITIZERS("one way through the mapping, with other depths");
+  DepthScene scene = furnished();
+  scene.boxes.emplace_back();
+  DepthMapper told(kCamera, fine()), untold(kCamera, fine());
+  Eigen::AlignedBox3d way;
+  int moving = 0;
+  for (int k = 0; k < 10; ++k) {
+    const double y = -0.6 + 0.12 * k;
+    const Eigen::Vector3d low(0.2, y, 0.0), high(0.6, y + 0.4, 1.6);
+    scene.boxes.back() = {low, high};
+    way.extend(low).extend(high);
+    const DepthFrame frame = walk(scene, k, 0.0);
+    MotionInView motion;
+    for (const double z : {0.3, 0.6, 0.9, 1.2, 1.5}) motion.moving.emplace_back(0.2, y + 0.2, z);
+    moving += told.process(frame.stamp, frame.image, frame.T_WC, Localization::kOk, &motion).moving;
+    // Landmarks that rest change nothing.
+    MotionInView rest;
+    rest.still.emplace_back(4.07, 0.0, 1.0);
+    untold.process(frame.stamp, frame.image, frame.T_WC, Localization::kOk,
+                   k % 2 ? &rest : nullptr);
+  }
+  EXPECT_GT(moving, 1000);
+  const auto before = untold.map().voxels();
+  int trail = 0;
+  // Where the box stood and a voxel about it, which a hit may reach.
+  const Eigen::AlignedBox3d near(way.min() - Eigen::Vector3d(0.06, 0.06, 0.0),
+                                 way.max() + Eigen::Vector3d(0.06, 0.06, 0.06));
+  each_voxel(*told.map().voxels(), [&](int i, int j, int k, CellState state) {
+    const Eigen::Vector3d p = 0.05 * Eigen::Vector3d(i + 0.5, j + 0.5, k + 0.5);
+    if (near.contains(p)) {
+      EXPECT_NE(state, CellState::kOccupied) << p.transpose();
+      trail += before->state(i, j, k) == CellState::kOccupied;
+    } else if (k >= 0) {
+      EXPECT_EQ(state, before->state(i, j, k)) << p.transpose();
+    }
+  });
+  EXPECT_GT(trail, 50);
+}
+
 TEST(DepthMapper, MixedPixelsAreNoObstacles) {
   NOT_UNDER_SANITIZERS("one way through the mapping, with other depths");
   const DepthScene scene = furnished();

@@ -424,6 +424,22 @@ TEST(OccupancyMapper, MissesClearUpToTheRangeAndHitsBeyondItClearOnly) {
   EXPECT_EQ(mapper.surface_voxels(), 1U);
 }
 
+TEST(OccupancyMapper, RaysUpToWhatDoesNotStayClearAndSayNothingOfIt) {
+  OccupancyMapperOptions options;
+  options.resolution = kR;
+  OccupancyMapper mapper(options);
+  DepthScan scan;
+  scan.origin = {0.05, 0.05, 0.55};
+  scan.passing = {{2.05, 0.05, 0.55}, {0.05, 9.05, 0.55}, {0.05, 0.05, 0.55}};
+  mapper.insert(scan);
+  const auto voxels = mapper.voxels();
+  EXPECT_EQ(voxels->state(10, 0, 5), CellState::kFree);
+  EXPECT_EQ(voxels->state(19, 0, 5), CellState::kFree);
+  EXPECT_EQ(voxels->state(20, 0, 5), CellState::kUnknown);
+  EXPECT_EQ(voxels->state(0, 38, 5), CellState::kFree);
+  EXPECT_EQ(voxels->state(0, 42, 5), CellState::kUnknown) << "beyond the range";
+}
+
 TEST(OccupancyMapper, InvalidRaysNeverClear) {
   OccupancyMapper mapper;
   const double nan = std::numeric_limits<double>::quiet_NaN();
