@@ -238,6 +238,8 @@ int main_program(int argc, char** argv) {
   program.add("--pieces", pieces, "Run each recording in so many pieces, too",
               {.least = 0, .most = 100});
   program.add("--sequences", sequences, "Rendered sequences", {.least = 0, .most = 1000});
+  program.add("--realism", realism, "Of the sequences, as simulator.camera.realism",
+              {.least = 0.0, .most = 3.0});
   program.add("--set", settings, "Of perception.odometry, such as pose.huber=2");
   if (const auto end = program.parse(argc, argv)) return *end;
   std::vector<YamlSetting> all;
