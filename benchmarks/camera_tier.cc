@@ -2,7 +2,7 @@
 // What the simulated cameras see and what that costs: pictures of each sensor, and times of a
 // stereo pair and a depth image along a turn in place, on one and two threads.
 //
-//   camera_tier WORLD [--start X Y YAW] [--quality Q] [--frames N] [--out DIR]
+//   camera_tier WORLD [--start X Y YAW] [--quality Q] [--frames N] [--realism X] [--out DIR]
 #include <time.h>
 
 #include <algorithm>
@@ -19,8 +19,11 @@
 #include <vector>
 
 #include "adapters/formats/worlds/load_world.h"
+#include "adapters/robots/simulator/camera_effects.h"
 #include "adapters/robots/simulator/camera_rig.h"
+#include "adapters/robots/simulator/exposure_control.h"
 #include "adapters/robots/simulator/feature_field.h"
+#include "adapters/robots/simulator/people.h"
 #include "adapters/robots/simulator/scene_renderer.h"
 #include "adapters/robots/simulator/world_mesh.h"
 #include "benchmarks/program_options.h"
@@ -91,10 +94,12 @@ int run(int argc, char** argv) {
   std::vector<double> start;
   WorldMeshOptions mesh_options;
   int frames = 40;
+  double realism = 0.0;
   options.add("world", name, "as for `prospect explore`");
   options.add("--start", start, "X Y YAW [m, rad]", {.count = 3});
   options.add("--quality", mesh_options.texture_quality, "contrast of the texture, 0..1");
   options.add("--frames", frames, "timed views", {.least = 1, .most = 10000});
+  options.add("--realism", realism, "as simulator.camera.realism", {.least = 0.0, .most = 3.0});
   options.add("--out", out, "writes left.jpg, right.jpg and depth.jpg there");
   if (const std::optional<int> end = options.parse(argc, argv)) return *end;
 
@@ -109,6 +114,7 @@ int run(int argc, char** argv) {
   const World world = load_world(name, world_options);
   const auto loading = watch.lap();
   constexpr std::uint64_t kSeed = 1;
+  constexpr double kTurning = 0.8;  // [rad/s], for motion blur with realism
   const FeatureField field(
       world, [&](int i, int j, int k) { return texture_density(world, i, j, k, kSeed); }, kSeed);
   const TexturedMesh mesh =
@@ -117,6 +123,8 @@ int run(int argc, char** argv) {
   std::size_t texels = 0;
   for (const Image& texture : mesh.textures) texels += texture.pixels.size();
   SceneRendererOptions scene_options;
+  const CameraEffects effects = scaled({}, realism);
+  scene_options.floor_shine = effects.floor_shine;
   if (world.mesh != nullptr) scene_options.texture_contrast = mesh_options.texture_quality;
   const auto scene = std::make_shared<const SceneRenderer>(mesh, scene_options);
   const auto building = watch.lap();
@@ -129,17 +137,24 @@ int run(int argc, char** argv) {
   for (const int threads : {1, 2}) {
     CameraRigOptions options;
     options.threads = threads;
+    options.effects = effects;
     const CameraRig rig(scene, options);
+    Walkers walkers(world, effects.people, world.start, kSeed);
+    ExposureControl control(effects.exposure_lag);
     std::vector<double> stereo_wall, stereo_processor, depth_wall, depth_processor;
     for (int n = 0; n < frames; ++n) {
       Pose pose = world.start;
       pose.yaw += 2.0 * std::numbers::pi * n / frames;
       const auto frame = static_cast<std::uint64_t>(n);
+      const double stamp = 0.1 * n;
+      walkers.advance(stamp, pose);
       watch.lap();
-      const ImagePair pair = rig.stereo(pose, {}, frame);
+      const ImagePair pair =
+          rig.stereo(pose, {frame, stamp, control.exposure(), kTurning}, walkers.people());
       const auto stereo = watch.lap();
-      const DepthImage depth = rig.depth(pose, frame);
+      const DepthImage depth = rig.depth(pose, frame, walkers.people());
       const auto ranging = watch.lap();
+      control.measured(stamp, pair.left);
       stereo_wall.push_back(stereo.wall);
       stereo_processor.push_back(stereo.processor);
       depth_wall.push_back(ranging.wall);

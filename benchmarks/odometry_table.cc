@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// odometry_table [CLIP...] [--pieces N] [--sequences N] [--set KEY=VALUE...]: the visual odometry
-// over recordings, as a table in Markdown. CLIP is what `prospect odometry` reads; "CLIP@12" begins
-// at frame 12. With --pieces, each is also run in so many pieces that overlap by half, each by an
-// odometry of its own. Then rendered sequences (rendered_sequence.h), which count together: medians
-// of their errors, all their frames; with the calibration that made the images, by an odometry that
-// takes it for a usual one and by one that is told that it is exact, and with one that is off by
-// what the odometry's covariance allows it.
+// odometry_table [CLIP...] [--pieces N] [--sequences N] [--realism X] [--set KEY=VALUE...]: the
+// visual odometry over recordings, as a table in Markdown. CLIP is what `prospect odometry` reads;
+// "CLIP@12" begins at frame 12. With --pieces, each is also run in so many pieces that overlap by
+// half, each by an odometry of its own. Then rendered sequences (rendered_sequence.h), which count
+// together: medians of their errors, all their frames; with the calibration that made the images,
+// by an odometry that takes it for a usual one and by one that is told that it is exact, and with
+// one that is off by what the odometry's covariance allows it; with --realism besides by the
+// simulator's cameras (real_cameras.h), which the odometry believes to be others.
 //
 // NEES is the squared error over the claimed variance, a degree of freedom: 1 if true. Of the pose
 // against the first, and of the motion over 5, 10 and 20 frames; of the latter also by the planner
@@ -22,7 +23,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <iterator>
 #include <optional>
 #include <random>
 #include <string>
@@ -34,6 +34,7 @@
 #include "adapters/missions/recordings/odometry_run.h"
 #include "benchmarks/guarded_main.h"
 #include "benchmarks/program_options.h"
+#include "benchmarks/real_cameras.h"
 #include "benchmarks/rendered_sequence.h"
 #include "engine/support/quantile.h"
 #include "models/knobs.h"
@@ -166,7 +167,7 @@ StereoCamera drawn_calibration(StereoCamera camera, int number) {
 }
 
 /// Sequences 0 to `sequences` - 1.
-void rendered(const StereoOdometryOptions& options, int sequences) {
+void rendered(const StereoOdometryOptions& options, int sequences, double realism) {
   constexpr int kFrames = 40;
   const StereoCamera camera = RenderedSequence::camera();
   // The disparities' zero, which also takes up what images do to all disparities alike, is
@@ -176,17 +177,24 @@ void rendered(const StereoOdometryOptions& options, int sequences) {
   struct Way {
     std::string name;
     StereoOdometryOptions options;
-    bool drawn;
+    bool drawn = false;
+    bool real = false;
     OdometryConsistency consistency = {};
     OdometryCalibration calibration = {RenderedSequence::camera(), {}};
     WrongFrames wrong = {};
     std::vector<OdometryRun> runs = {};
   };
-  Way ways[] = {{"rendered", options, false},
-                {"rendered, calibration said to be exact", exact, false},
-                {"rendered, calibration drawn", options, true}};
+  std::vector<Way> ways = {
+      {"rendered", options},
+      {"rendered, calibration said to be exact", exact},
+      {.name = "rendered, calibration drawn", .options = options, .drawn = true}};
+  if (realism > 0.0) {
+    ways.push_back(
+        {.name = "rendered, realism " + number(realism, "%g"), .options = options, .real = true});
+  }
   for (int s = 0; s < sequences; ++s) {
     const RenderedSequence sequence(s, kFrames);
+    RealCameras cameras(sequence, camera, realism);
     std::vector<StereoOdometry> odometry;
     for (Way& way : ways) {
       odometry.emplace_back(way.drawn ? drawn_calibration(camera, s) : camera, way.options,
@@ -197,11 +205,14 @@ void rendered(const StereoOdometryOptions& options, int sequences) {
     }
     for (int k = 0; k < kFrames; ++k) {
       const auto pair = sequence.render(camera, k);
+      const ImagePair real = realism > 0.0 ? cameras.render(k) : ImagePair();
       const double stamp = RenderedSequence::kPeriod * k;
       const Eigen::Isometry3d& truth = sequence.path()[static_cast<std::size_t>(k)];
-      for (std::size_t w = 0; w < std::size(ways); ++w) {
+      for (std::size_t w = 0; w < ways.size(); ++w) {
         OdometryRun& run = ways[w].runs.back();
-        run.frames.push_back(odometry[w].process(stamp, pair.left.view(), pair.right.view()));
+        run.frames.push_back(ways[w].real
+                                 ? odometry[w].process(stamp, real.left.view(), real.right.view())
+                                 : odometry[w].process(stamp, pair.left.view(), pair.right.view()));
         const OdometryFrame& frame = run.frames.back();
         ways[w].consistency.add(odometry[w], frame, truth);
         ways[w].calibration.add(odometry[w], frame, truth);
@@ -221,11 +232,14 @@ void rendered(const StereoOdometryOptions& options, int sequences) {
 int main_program(int argc, char** argv) {
   std::vector<std::string> clips, settings;
   int pieces = 0, sequences = 24;
+  double realism = 0.0;
   ProgramOptions program("The visual odometry over recordings, as a table");
   program.add("clips", clips, "Recordings; PATH@12 begins at frame 12");
   program.add("--pieces", pieces, "Run each recording in so many pieces, too",
               {.least = 0, .most = 100});
   program.add("--sequences", sequences, "Rendered sequences", {.least = 0, .most = 1000});
+  program.add("--realism", realism, "Of the sequences, as simulator.camera.realism",
+              {.least = 0.0, .most = 3.0});
   program.add("--set", settings, "Of perception.odometry, such as pose.huber=2");
   if (const auto end = program.parse(argc, argv)) return *end;
   std::vector<YamlSetting> all;
@@ -237,7 +251,7 @@ int main_program(int argc, char** argv) {
       "lost | keyframes | ms p50, p95 | wrong ok, others (worst) |\n"
       "|---|---|---|---|---|---|---|---|---|---|---|\n");
   for (const std::string& clip : clips) recordings(clip, options, pieces);
-  if (sequences > 0) rendered(options, sequences);
+  if (sequences > 0) rendered(options, sequences, realism);
   return 0;
 }
 

@@ -37,6 +37,12 @@ class RenderedSequence {
                         static_cast<std::uint64_t>(1000 * number_ + frame));
   }
 
+  /// What one camera sees from any pose, without noise.
+  Image image(const PinholeCamera& camera, const Eigen::Isometry3d& T_WC) const {
+    return room_.render(camera, T_WC, 0.0, 0);
+  }
+  int number() const { return number_; }
+
  private:
   /// Level poses from a random start, at least 0.4 m from the walls.
   static std::vector<Eigen::Isometry3d> random_path(int seed, int frames) {

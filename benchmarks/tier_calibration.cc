@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // tier_calibration --out DIR [--worlds LIST] [--seeds N] [--first-seed N] [--length L]
-//                  [--sensors model|camera|both]: the kinematic tier against the camera tier on the
+//                  [--sensors model|camera|both] [--set KEY=VALUE...]: the kinematic tier against
+//                  the camera tier on the
 // same true paths. A tour drives from place to place, drawn from the seed among all that the robot
 // gets to, with no regard for what it sees: turning on the spot towards a place that lies beside or
 // behind, at 0.5 m/s and 0.8 rad/s at most. The tour depends on world and seed alone, so both tiers
@@ -188,6 +189,7 @@ struct Arguments {
   int seeds = 2, first_seed = 1;
   double length = 60.0;  // [m]
   std::string sensors = "both", out;
+  std::vector<std::string> settings;
 };
 
 std::string table_of(const Arguments& a, const std::string& world, int seed,
@@ -200,8 +202,9 @@ std::string table_of(const Arguments& a, const std::string& world, int seed,
 void drive(const Arguments& a, const std::string& name, int seed, const std::string& sensors) {
   const std::string file = table_of(a, name, seed, sensors);
   if (fs::exists(file)) return;
-  const Configuration configuration =
-      configuration_from_text("", "the defaults", {}, {"simulator.sensors=" + sensors});
+  std::vector<YamlSetting> settings = {"simulator.sensors=" + sensors};
+  for (const std::string& setting : a.settings) settings.emplace_back(setting);
+  const Configuration configuration = configuration_from_text("", "the defaults", {}, settings);
   const auto world =
       std::make_shared<const World>(load_world(name, world_options_for(configuration)));
   SimulatorOptions options = configuration.simulator;
@@ -225,9 +228,10 @@ void drive(const Arguments& a, const std::string& name, int seed, const std::str
   std::ofstream out(file);
   out << rows.str();
   if (!out) throw InputError(file + ": cannot be written");
-  std::fprintf(stderr, "%s: %.0f s, %.1f m, %d losses, %d contacts\n", file.c_str(),
-               simulator.time(), simulator.path_length(), simulator.losses(),
-               simulator.collisions());
+  const double off = simulator.localization_error();
+  std::fprintf(stderr, "%s: %.0f s, %.1f m, %d losses, %d contacts, ends %.3f m off, %.2f %%\n",
+               file.c_str(), simulator.time(), simulator.path_length(), simulator.losses(),
+               simulator.collisions(), off, 100.0 * off / simulator.path_length());
 }
 
 Drive read(const std::string& file) {
@@ -438,6 +442,7 @@ int main_program(int argc, char** argv) {
   options.add("--length", a.length, "of a tour [m]", {.least = 5.0, .most = 1e5});
   options.add("--sensors", a.sensors, "which drives: model, camera, both",
               {.one_of = {"model", "camera", "both"}});
+  options.add("--set", a.settings, "KEY=VALUE of the configuration, in a folder of its own");
   options.add("--out", a.out, "folder of the tables", {.required = true});
   if (const std::optional<int> end = options.parse(argc, argv)) return *end;
   if (a.worlds.empty()) a.worlds = {"office", "loop", "plan:1", "plan:4"};

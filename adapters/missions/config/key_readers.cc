@@ -110,6 +110,8 @@ constexpr std::array kRows = {
     KeyRow{"simulator.camera.texture_quality", rendered, kRendered},
     KeyRow{"simulator.camera.focal_error", rendered, kRendered},
     KeyRow{"simulator.camera.baseline_error", rendered, kRendered},
+    KeyRow{"simulator.camera.realism", rendered, kRendered},
+    KeyRow{"simulator.camera.effects", rendered, kRendered},
     KeyRow{"simulator.camera.depth_width", rendered, kRendered},
     KeyRow{"simulator.camera.depth_height", rendered, kRendered},
     KeyRow{"simulator.camera.max_incidence", rendered, kRendered},

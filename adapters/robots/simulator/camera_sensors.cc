@@ -17,13 +17,18 @@
 namespace prospect {
 namespace {
 
+CameraEffects effects_of(const SimulatorOptions& options) {
+  return scaled(options.camera.effects, options.camera.realism);
+}
+
 std::shared_ptr<const SceneRenderer> scene_of(const World& world, const SimulatorOptions& options) {
+  SceneRendererOptions scene;
+  scene.floor_shine = std::min(effects_of(options).floor_shine, 1.0);
   if (world.mesh) {
-    SceneRendererOptions as_read;
-    as_read.texture_contrast = options.camera.texture_quality;
-    return std::make_shared<const SceneRenderer>(*world.mesh, as_read);
+    scene.texture_contrast = options.camera.texture_quality;
+    return std::make_shared<const SceneRenderer>(*world.mesh, scene);
   }
-  return std::make_shared<const SceneRenderer>(seen_mesh(world, options));
+  return std::make_shared<const SceneRenderer>(seen_mesh(world, options), scene);
 }
 
 CameraRigOptions rig_of(const SimulatorOptions& options) {
@@ -35,6 +40,7 @@ CameraRigOptions rig_of(const SimulatorOptions& options) {
   rig.depth_noise_constant = options.depth.noise_constant;
   rig.depth_noise_quadratic = options.depth.noise_quadratic;
   rig.depth_dropout = options.depth.dropout;
+  rig.effects = effects_of(options);
   rig.seed = stream_seed(options.seed, NoiseStream::kImages);
   return rig;
 }
@@ -100,11 +106,15 @@ CameraSensors::CameraSensors(const World& world, const SimulatorOptions& options
       rig_(scene_of(world, options), rig_of(options)),
       more_(more_rigs(rig_, options)),
       looking_(depth_cameras(world, options)),
+      exposure_(rig_.options().effects.exposure_lag),
       has_wheels_(perception.wheels),
       perception_(believed(options),
                   perception_of(options, perception, rig_.depth_camera(), more_, start)),
       wheel_noise_(stream_seed(options.seed, NoiseStream::kWheels)),
       wheel_pose_(start) {
+  if (const double people = rig_.options().effects.people; people > 0.0) {
+    walkers_.emplace(world, people, start, stream_seed(options.seed, NoiseStream::kPeople));
+  }
   if (options.map) perception_.map().load(*options.map);
   const double z = start.position.z();
   for (const Disc& d : known_free) {
@@ -147,9 +157,17 @@ WheelSample CameraSensors::wheels(double stamp, const Pose& true_pose) {
   return sample;
 }
 
+std::span<const Person> CameraSensors::people(double stamp, const Pose& true_pose) {
+  if (!walkers_) return {};
+  walkers_->advance(stamp, true_pose);
+  return walkers_->people();
+}
+
 void CameraSensors::image(double stamp, const Pose& true_pose, const Twist& twist) {
   const bool was_lost = images_ > 0 && localization() == Localization::kLost;
-  ImagePair images = rig_.stereo(true_pose, twist, images_++);
+  const ImageMoment moment{images_++, stamp, exposure_.exposure(), twist.yaw_rate};
+  ImagePair images = rig_.stereo(true_pose, moment, people(stamp, true_pose));
+  exposure_.measured(stamp, images.left);
   pair_ = {stamp, stamp, std::make_shared<const Image>(std::move(images.left)),
            std::make_shared<const Image>(std::move(images.right))};
   deliver(pair_);
@@ -166,6 +184,7 @@ Pose CameraSensors::estimate(double stamp, const Pose&) const { return perceptio
 
 void CameraSensors::scan(double stamp, const Pose& true_pose, SeenArea& seen) {
   const std::uint64_t number = scans_++;
+  const std::span<const Person> others = people(stamp, true_pose);
   const auto measured = [&](const SensorFrame& frame) {
     deliver(frame);
     if (enters_ranges_) enter(stamp, frame);
@@ -179,8 +198,8 @@ void CameraSensors::scan(double stamp, const Pose& true_pose, SeenArea& seen) {
           ScanFrame{stamp, std::make_shared<const DepthScan>(std::move(rays)), nullptr, sensor});
     } else {
       const CameraRig& rig = n == 0 ? rig_ : more->second;
-      measured(DepthFrame{stamp, std::make_shared<const DepthImage>(rig.depth(true_pose, number)),
-                          sensor});
+      measured(DepthFrame{
+          stamp, std::make_shared<const DepthImage>(rig.depth(true_pose, number, others)), sensor});
     }
   }
 }

@@ -4,7 +4,9 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <random>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -12,6 +14,8 @@
 #include "adapters/formats/worlds/world.h"
 #include "adapters/robots/simulator/camera_rig.h"
 #include "adapters/robots/simulator/depth_camera.h"
+#include "adapters/robots/simulator/exposure_control.h"
+#include "adapters/robots/simulator/people.h"
 #include "adapters/robots/simulator/sensors.h"
 #include "adapters/robots/simulator/simulator_options.h"
 #include "models/image.h"
@@ -35,6 +39,9 @@ TexturedMesh seen_mesh(const World& world, const SimulatorOptions& options);
 ///
 /// Depth sensors besides the first are rendered, too, up to 170 degrees wide; wider ones are
 /// lidars, whose rays meet the world's voxels.
+///
+/// With realism the images are those of other cameras than the robot believes in, in another light
+/// (camera_effects.h), and people walk through them (people.h); coverage looks through them.
 ///
 /// Inputs arrive at once, so no depth image waits for a pose, but after leave_ranges(). A
 /// robot that is to use no wheels holds its pose while it is lost.
@@ -63,6 +70,7 @@ class CameraSensors final : public SimulatedSensors {
 
  private:
   WheelSample wheels(double stamp, const Pose& true_pose);
+  std::span<const Person> people(double stamp, const Pose& true_pose);  // brought up to `stamp`
 
   SimulatorOptions options_;
   CameraRig rig_;
@@ -70,6 +78,8 @@ class CameraSensors final : public SimulatedSensors {
   /// What rays of each depth sensor pass in truth, for evaluation; of those that no image in
   /// perspective holds also what they measure.
   std::vector<DepthCamera> looking_;
+  ExposureControl exposure_;
+  std::optional<Walkers> walkers_;
   bool has_wheels_;
   PerceptionPipeline perception_;
 

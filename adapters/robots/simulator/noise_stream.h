@@ -15,7 +15,14 @@ enum class NoiseStream : std::uint64_t {
   kPoints,
   kTexture,
   kImages,
-  kWheels
+  kWheels,
+  kTrueStereo,  // of a rig, as all below
+  kTrueDepth,
+  kStereoMount,
+  kDepthMount,
+  kLight,
+  kDirt,
+  kPeople
 };
 std::uint64_t stream_seed(std::uint64_t seed, NoiseStream stream);
 

@@ -12,6 +12,8 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <limits>
+#include <map>
 #include <stdexcept>
 #include <string>
 
@@ -28,6 +30,7 @@ constexpr float kEdge = 8.0f;         // [grey levels] between pixels that show 
 constexpr float kFarthestHit = 2e5f;  // [m] and repeats of a texture; floats tell no more
 constexpr float kSteepest = 1e10f;    // squared length of a footprint [texels^2]
 constexpr float kMaxTaps = 4.0f;      // along the longer axis of a footprint
+constexpr float kGloss = 6.0f;        // [px] that a floor's mirror image is blurred over
 constexpr std::size_t kViews = 64;    // triangles whose view a thread keeps, a power of two
 
 // A rotated grid: its four points have different rows and different columns.
@@ -60,6 +63,7 @@ struct Rays {
   Eigen::Matrix3d R_WC;
   Eigen::Vector3d origin;
   int width, height;
+  int u0 = 0, v0 = 0;  // the first pixel of a window
 };
 
 Rays rays_of(const PinholeCamera& camera, const Eigen::Isometry3d& T_WC) {
@@ -79,6 +83,16 @@ Rays rays_of(const PinholeCamera& camera, const Eigen::Isometry3d& T_WC) {
       0.0, 0.0, 1.0;
   return {T_WC.linear() * inverse_K, T_WC.linear(), T_WC.translation(),
           static_cast<int>(camera.width), static_cast<int>(camera.height)};
+}
+
+// The same rays as a mirror at height h sends them on, as if they came from below it.
+Rays mirrored(const Rays& rays, double h) {
+  const Eigen::Vector3d up_down(1.0, 1.0, -1.0);
+  Rays below = rays;
+  below.to_ray = up_down.asDiagonal() * rays.to_ray;
+  below.R_WC = up_down.asDiagonal() * rays.R_WC;
+  below.origin.z() = 2.0 * h - rays.origin.z();
+  return below;
 }
 
 Image with_contrast(const Image& image, double contrast) {
@@ -107,6 +121,8 @@ struct SceneRenderer::Impl {
   SceneRendererOptions options;
   std::vector<Surface> surfaces;
   std::vector<TexturePyramid> textures;
+  std::vector<std::uint8_t> shiny;  // of each triangle; empty: none is
+  double floor_height = 0.0;        // [m], of those
 
   Impl(const TexturedMesh& mesh, const SceneRendererOptions& o) : options(o) {
     check(mesh);
@@ -120,6 +136,7 @@ struct SceneRenderer::Impl {
     for (std::uint32_t n = 0; n < mesh.triangles.size(); ++n) {
       if (add_surface(mesh, n)) kept.push_back(n);
     }
+    if (options.floor_shine > 0.0) find_floor(mesh, kept);
     build(mesh, kept);
   }
   ~Impl() {
@@ -139,6 +156,9 @@ struct SceneRenderer::Impl {
     }
     if (!(options.background >= 0.0 && options.background <= 255.0)) {
       refuse("background outside 0..255");
+    }
+    if (!(options.floor_shine >= 0.0 && options.floor_shine <= 1.0)) {
+      refuse("floor_shine outside 0..1");
     }
     if (!options.light.allFinite() || !(options.light.norm() > 0.0)) {
       refuse("light: expected a finite direction");
@@ -186,6 +206,33 @@ struct SceneRenderer::Impl {
     surfaces.push_back(surface);
     return true;
   }
+
+  void find_floor(const TexturedMesh& mesh, const std::vector<std::uint32_t>& kept) {
+    constexpr double kReach = 0.1, kSame = 0.002;  // [m]
+    const auto height = [](const Surface& s) { return s.offset / s.normal.z(); };
+    const auto level = [&](const Surface& s) {
+      return std::abs(s.normal.z()) > 0.999 && std::abs(height(s)) < kReach;
+    };
+    std::map<long, double> areas;  // by the height, in steps of kSame
+    for (std::size_t n = 0; n < surfaces.size(); ++n) {
+      if (!level(surfaces[n])) continue;
+      const auto& [a, b, c] = mesh.triangles[kept[n]];
+      const Eigen::Vector3f e1 = mesh.vertices[b] - mesh.vertices[a];
+      const Eigen::Vector3f e2 = mesh.vertices[c] - mesh.vertices[a];
+      areas[std::lround(height(surfaces[n]) / kSame)] += e1.cross(e2).norm();
+    }
+    if (areas.empty()) return;
+    const auto largest =
+        std::max_element(areas.begin(), areas.end(),
+                         [](const auto& a, const auto& b) { return a.second < b.second; });
+    floor_height = kSame * static_cast<double>(largest->first);
+    shiny.assign(surfaces.size(), 0);
+    for (std::size_t n = 0; n < surfaces.size(); ++n) {
+      shiny[n] = level(surfaces[n]) && std::abs(height(surfaces[n]) - floor_height) < kSame;
+    }
+  }
+
+  bool shines(std::uint32_t triangle) const { return triangle != kNothing && shiny[triangle] != 0; }
 
   void build(const TexturedMesh& mesh, const std::vector<std::uint32_t>& kept) {
     device = rtcNewDevice(nullptr);
@@ -286,9 +333,10 @@ struct SceneRenderer::Impl {
     return view.shade * texture.mean_along(level, s, t, ds, dt, taps);
   }
 
-  // The triangle that each of a packet's rays, through (u, v), meets first.
-  void trace(const Rays& rays, const float* u, const float* v, int count,
-             std::uint32_t* triangles) const {
+  // The triangle that each of a packet's rays, through (u, v), meets first, from the depths `near`
+  // on, if given.
+  void trace(const Rays& rays, const float* u, const float* v, int count, std::uint32_t* triangles,
+             const float* near = nullptr) const {
     alignas(64) RTCRayHit16 packet;
     alignas(64) int valid[kPacket];
     const Eigen::Matrix3f A = rays.to_ray.cast<float>();
@@ -302,7 +350,7 @@ struct SceneRenderer::Impl {
       packet.ray.dir_x[n] = A(0, 0) * u[m] + A(0, 1) * v[m] + A(0, 2);
       packet.ray.dir_y[n] = A(1, 0) * u[m] + A(1, 1) * v[m] + A(1, 2);
       packet.ray.dir_z[n] = A(2, 0) * u[m] + A(2, 1) * v[m] + A(2, 2);
-      packet.ray.tnear[n] = 1e-4f;
+      packet.ray.tnear[n] = near != nullptr ? near[m] : 1e-4f;
       packet.ray.tfar[n] = 1e6f;
       packet.ray.time[n] = 0.0f;
       packet.ray.mask[n] = 0xffffffffu;
@@ -338,15 +386,14 @@ struct SceneRenderer::Impl {
           int count = 0;
           for (int row = 0; row < rows; ++row) {
             for (int column = 0; column < columns; ++column, ++count) {
-              u[count] = static_cast<float>(u0 + column);
-              v[count] = static_cast<float>(v0 + row);
+              u[count] = static_cast<float>(rays.u0 + u0 + column);
+              v[count] = static_cast<float>(rays.v0 + v0 + row);
             }
           }
           trace(rays, u, v, count, triangles);
           for (int n = 0; n < count; ++n) {
-            const std::size_t index =
-                static_cast<std::size_t>(v[n]) * static_cast<std::size_t>(rays.width) +
-                static_cast<std::size_t>(u[n]);
+            const auto index = static_cast<std::size_t>(
+                (static_cast<int>(v[n]) - rays.v0) * rays.width + static_cast<int>(u[n]) - rays.u0);
             visit(cache, index, u[n], v[n], triangles[n]);
           }
         }
@@ -380,7 +427,7 @@ struct SceneRenderer::Impl {
       int pixels = 0;
       const auto flush = [&] {
         if (pixels == 0) return;
-        float u[kPacket], v[kPacket];
+        float u[kPacket] = {}, v[kPacket] = {};
         std::uint32_t triangles[kPacket];
         for (int p = 0; p < pixels; ++p) {
           for (int k = 0; k < kSubs; ++k) {
@@ -416,7 +463,116 @@ struct SceneRenderer::Impl {
       }
       flush();
     });
+    if (!shiny.empty()) add_shine(rays, threads, shown, grey);
     return grey;
+  }
+
+  // What the floor mirrors, at every second pixel each way; NaN beside the floor.
+  std::vector<float> mirror_image(const Rays& rays, int threads,
+                                  const std::vector<std::uint32_t>& shown) const {
+    const Rays below = mirrored(rays, floor_height);
+    const int columns = (rays.width + 1) / 2, rows = (rays.height + 1) / 2;
+    std::vector<float> mirror(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows),
+                              std::numeric_limits<float>::quiet_NaN());
+    const double drop = floor_height - rays.origin.z();
+    const int bands = (rows + kRayBand - 1) / kRayBand;
+    WorkerThreads(threads).run(bands, [&](int band) {
+      ViewCache cache;
+      float u[kPacket] = {}, v[kPacket] = {}, near[kPacket] = {};
+      std::size_t at[kPacket] = {};
+      int count = 0;
+      const auto flush = [&] {
+        std::uint32_t triangles[kPacket] = {};
+        if (count > 0) trace(below, u, v, count, triangles, near);
+        for (int n = 0; n < count; ++n) {
+          mirror[at[n]] = triangles[n] == kNothing
+                              ? static_cast<float>(options.background)
+                              : look_up(cache.get(*this, below, triangles[n]), u[n], v[n], kGloss);
+        }
+        count = 0;
+      };
+      for (int j = band * kRayBand; j < std::min(rows, (band + 1) * kRayBand); ++j) {
+        for (int i = 0; i < columns; ++i) {
+          if (!shines(shown[static_cast<std::size_t>(2 * j * rays.width + 2 * i)])) continue;
+          u[count] = static_cast<float>(2 * i);
+          v[count] = static_cast<float>(2 * j);
+          // Of depth 1, so the ray's parameter is the depth at which it meets the floor.
+          const double depth =
+              drop / rays.to_ray.row(2).dot(Eigen::Vector3d(2.0 * i, 2.0 * j, 1.0));
+          near[count] = static_cast<float>(1.0001 * depth + 0.001);
+          at[count] = static_cast<std::size_t>(j * columns + i);
+          if (++count == kPacket) flush();
+        }
+      }
+      flush();
+    });
+    return mirror;
+  }
+
+  void add_shine(const Rays& rays, int threads, const std::vector<std::uint32_t>& shown,
+                 std::vector<float>& grey) const {
+    const std::vector<float> mirror = mirror_image(rays, threads, shown);
+    const int columns = (rays.width + 1) / 2, rows = (rays.height + 1) / 2;
+    const Eigen::Matrix3f A = rays.to_ray.cast<float>();
+    const auto shine = static_cast<float>(options.floor_shine);
+    const int bands = (rays.height + kRayBand - 1) / kRayBand;
+    WorkerThreads(threads).run(bands, [&](int band) {
+      for (int v = band * kRayBand; v < std::min(rays.height, (band + 1) * kRayBand); ++v) {
+        for (int u = 0; u < rays.width; ++u) {
+          const auto at = static_cast<std::size_t>(v * rays.width + u);
+          if (!shines(shown[at])) continue;
+          // The mean of the points of the mirror image about it that lie on the floor.
+          float sum = 0.0f;
+          int count = 0;
+          for (int j = v / 2; j <= std::min((v + 1) / 2, rows - 1); ++j) {
+            for (int i = u / 2; i <= std::min((u + 1) / 2, columns - 1); ++i) {
+              const float m = mirror[static_cast<std::size_t>(j * columns + i)];
+              if (std::isnan(m)) continue;
+              sum += m;
+              ++count;
+            }
+          }
+          if (count == 0) continue;
+          const Eigen::Vector3f ray =
+              A * Eigen::Vector3f(static_cast<float>(u), static_cast<float>(v), 1.0f);
+          const float past = 1.0f - std::abs(ray.z()) / ray.norm();
+          const float power = past * past * past * past * past;
+          const float share = std::min(1.0f, shine * (1.0f + 24.0f * power));
+          grey[at] += share * (sum / static_cast<float>(count) - grey[at]);
+        }
+      }
+    });
+  }
+
+  PixelLayer look(const PinholeCamera& camera, const Eigen::Isometry3d& T_WC,
+                  const PixelWindow& window, int threads) const {
+    Rays rays = rays_of(camera, T_WC);
+    if (window.u < 0 || window.v < 0 || window.width < 0 || window.height < 0 ||
+        window.width > rays.width - window.u || window.height > rays.height - window.v) {
+      throw std::invalid_argument("scene renderer: a window beyond the image");
+    }
+    rays.u0 = window.u;
+    rays.v0 = window.v;
+    rays.width = window.width;
+    rays.height = window.height;
+    const auto size = static_cast<std::size_t>(rays.width) * static_cast<std::size_t>(rays.height);
+    PixelLayer layer{std::vector<float>(size, static_cast<float>(options.background)),
+                     std::vector<float>(size, DepthImage::kInvalid),
+                     std::vector<float>(size, 0.0f)};
+    const Eigen::Matrix3f to_C = (rays.R_WC.transpose() * rays.to_ray).cast<float>();
+    each_pixel(rays, threads,
+               [&](ViewCache& cache, std::size_t at, float u, float v, std::uint32_t triangle) {
+                 if (triangle == kNothing) return;
+                 const SurfaceView& view = cache.get(*this, rays, triangle);
+                 const Eigen::Vector3f& f = view.inverse_depth;
+                 const float z = 1.0f / (f[0] * u + f[1] * v + f[2]);
+                 if (!(z > 0.0f && z < kFarthestHit)) return;
+                 const Eigen::Vector3f ray = to_C * Eigen::Vector3f(u, v, 1.0f);
+                 layer.grey[at] = look_up(view, u, v, 1.0f);
+                 layer.depth[at] = z;
+                 layer.cosine[at] = std::abs(view.normal_C.dot(ray)) / ray.norm();
+               });
+    return layer;
   }
 
   DepthImage depth(const PinholeCamera& camera, const Eigen::Isometry3d& T_WC, int threads,
@@ -453,6 +609,11 @@ std::vector<float> SceneRenderer::intensity(const PinholeCamera& camera,
   return impl_->intensity(camera, T_WC, threads);
 }
 
+PixelLayer SceneRenderer::look(const PinholeCamera& camera, const Eigen::Isometry3d& T_WC,
+                               const PixelWindow& window, int threads) const {
+  return impl_->look(camera, T_WC, window, threads);
+}
+
 DepthImage SceneRenderer::depth(const PinholeCamera& camera, const Eigen::Isometry3d& T_WC,
                                 int threads, std::vector<float>* incidence) const {
   return impl_->depth(camera, T_WC, threads, incidence);
@@ -480,6 +641,10 @@ SceneRenderer::SceneRenderer(const TexturedMesh&, const SceneRendererOptions&) {
 }
 std::vector<float> SceneRenderer::intensity(const PinholeCamera&, const Eigen::Isometry3d&,
                                             int) const {
+  return {};
+}
+PixelLayer SceneRenderer::look(const PinholeCamera&, const Eigen::Isometry3d&, const PixelWindow&,
+                               int) const {
   return {};
 }
 DepthImage SceneRenderer::depth(const PinholeCamera&, const Eigen::Isometry3d&, int,

@@ -5,7 +5,8 @@
 #include <limits>
 #include <string>
 
-#include "adapters/robots/simulator/camera_rig.h"
+#include "adapters/robots/simulator/camera_effects.h"
+#include "adapters/robots/simulator/camera_rig_options.h"
 #include "adapters/robots/simulator/depth_camera.h"
 #include "adapters/robots/simulator/feature_camera.h"
 #include "adapters/robots/simulator/kinematic_robot.h"
@@ -32,6 +33,32 @@ void describe(Knobs& knobs, CameraRigOptions& o) {
   knobs.number("max_incidence", o.max_incidence, {0.0, 1.6}, "rad",
                "between ray and surface normal; beyond, no depth is measured");
   knobs.integer("threads", o.threads, {1, 256}, "1", "of the renderer; the same bits with any");
+}
+
+void describe(Knobs& knobs, CameraEffects& o) {
+  knobs.number("focal_length", o.focal_length, {0.0, 0.1}, "1",
+               "error of the calibration, drawn for a mission, share of itself");
+  knobs.number("principal_point", o.principal_point, {0.0, 50.0}, "px",
+               "likewise, each coordinate, of both cameras alike");
+  knobs.number("baseline", o.baseline, {0.0, 0.1}, "1",
+               "likewise; also of the lengths that the depth camera measures");
+  knobs.degrees("rotation", o.rotation, {0.0, 2.0},
+                "likewise, of the right camera against the left, each axis");
+  knobs.degrees("mount", o.mount, {0.0, 5.0}, "likewise, of each camera against the body");
+  knobs.number("light", o.light, {0.0, 1.0}, "1",
+               "log brightness of places and directions, one standard deviation");
+  knobs.number("exposure_lag", o.exposure_lag, {0.0, 60.0}, "s",
+               "in which the exposure follows the light; 0: it does not");
+  knobs.number("shutter", o.shutter, {0.0, 0.3}, "s",
+               "exposure in mean light, for motion blur and flicker");
+  knobs.number("flicker", o.flicker, {0.0, 1.0}, "1", "of lamps, share of their light");
+  knobs.number("readout", o.readout, {0.0, 1.0}, "s",
+               "from the first row's exposure to the last's");
+  knobs.number("glare", o.glare, {0.0, 255.0}, "1", "grey levels of stray light near the window");
+  knobs.number("people", o.people, {0.0, 20.0}, "1/(100 m2)", "who walk");
+  knobs.number("dirt", o.dirt, {0.0, 0.3}, "1", "share of light that a spot on the lens takes");
+  knobs.number("floor_shine", o.floor_shine, {0.0, 0.3}, "1",
+               "share of light that the floor mirrors, straight down");
 }
 
 void describe(Knobs& knobs, DepthCameraOptions& o) {
@@ -115,6 +142,9 @@ void describe(Knobs& knobs, CameraSensorsOptions& o) {
   knobs.number("baseline_error", o.baseline_error, {-0.9, 9.0}, "1",
                "by which its baseline is believed too large");
   describe(knobs, o.rig);
+  knobs.number("realism", o.realism, {0.0, 3.0}, "1",
+               "times all of effects: 0 ideal cameras in an empty world, 1 as real ones");
+  knobs.group("effects", [&] { describe(knobs, o.effects); });
 }
 
 PerceptionOptions simulated_perception(const WheelNoise& wheels) {

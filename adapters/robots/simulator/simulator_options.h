@@ -7,7 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "adapters/robots/simulator/camera_rig.h"
+#include "adapters/robots/simulator/camera_effects.h"
+#include "adapters/robots/simulator/camera_rig_options.h"
 #include "adapters/robots/simulator/depth_camera.h"
 #include "adapters/robots/simulator/feature_camera.h"
 #include "adapters/robots/simulator/kinematic_robot.h"
@@ -36,8 +37,12 @@ enum class Sensors {
 
 /// What the second of them needs besides.
 struct CameraSensorsOptions {
-  /// Cameras and mounts are set from the simulator's, depth noise from its depth camera.
+  /// Cameras and mounts are set from the simulator's, depth noise from its depth camera, effects
+  /// from those below.
   CameraRigOptions rig;
+  /// Of the effects' size: 0 ideal cameras in an empty world, 1 as real ones.
+  double realism = 0.0;
+  CameraEffects effects;
   /// Contrast of all surfaces: 1 rich, 0 blank.
   double texture_quality = 1.0;
   /// Share by which the robot takes its stereo pair's focal length and baseline to be larger than

@@ -11,6 +11,7 @@
 #include <tuple>
 #include <vector>
 
+#include "adapters/robots/simulator/hashed_draws.h"
 #include "models/mixed_bits.h"
 
 namespace prospect {
@@ -22,17 +23,6 @@ constexpr double kLargestMark = 0.08;
 constexpr double kPlainTexel = 0.05;  // [m] of rectangles without marks
 constexpr double kLattice = 0.1;      // [m] between which the grey below the marks is interpolated
 constexpr int kGutter = 2;  // texels of the surroundings about a texture, which would else repeat
-
-/// Numbers in [0, 1) in a row, from one hash.
-class Draws {
- public:
-  explicit Draws(std::uint64_t state) : state_(state) {}
-  double next() { return unit_interval(state_ = mixed_bits(state_)); }
-  double next(double low, double high) { return low + (high - low) * next(); }
-
- private:
-  std::uint64_t state_;
-};
 
 /// Value noise in [-1, 1]: random numbers at the points of a lattice, smoothly interpolated.
 double value_noise(const Eigen::Vector3d& p, double size, std::uint64_t seed) {
@@ -77,18 +67,18 @@ struct Polygon {
   std::array<Eigen::Vector2f, 6> normals;
   std::array<float, 6> distances{};
 
-  Polygon(Draws& draws, double size) {
-    sides = 3 + static_cast<int>(draws.next() * 4.0);
-    const double turn = draws.next(0.0, 2.0 * std::numbers::pi);
+  Polygon(HashedDraws& draws, double size) {
+    sides = 3 + static_cast<int>(draws.uniform() * 4.0);
+    const double turn = draws.uniform(0.0, 2.0 * std::numbers::pi);
     // So that no corner is farther from the middle than `size`.
     const double jitter = sides == 3 ? 0.1 : 0.15;
     for (int n = 0; n < sides; ++n) {
       const double angle =
-          turn + 2.0 * std::numbers::pi * (n + draws.next(-jitter, jitter)) / sides;
+          turn + 2.0 * std::numbers::pi * (n + draws.uniform(-jitter, jitter)) / sides;
       normals[static_cast<std::size_t>(n)] =
           Eigen::Vector2d(std::cos(angle), std::sin(angle)).cast<float>();
       distances[static_cast<std::size_t>(n)] =
-          static_cast<float>(size * draws.next(sides == 3 ? 0.2 : 0.3, sides == 3 ? 0.3 : 0.45));
+          static_cast<float>(size * draws.uniform(sides == 3 ? 0.2 : 0.3, sides == 3 ? 0.3 : 0.45));
     }
   }
   /// How much of the texel about p it covers, by the distance of p to its edges.
@@ -108,18 +98,18 @@ struct Mark {
   Polygon outer, inner;
   float outer_contrast, inner_contrast;  ///< [grey levels]; an inner one of 0 is not there
 
-  Mark(const Eigen::Vector2d& at, std::uint64_t hash) : Mark(at, Draws(hash)) {}
+  Mark(const Eigen::Vector2d& at, std::uint64_t hash) : Mark(at, HashedDraws(hash)) {}
 
  private:
-  Mark(const Eigen::Vector2d& at, Draws draws)
+  Mark(const Eigen::Vector2d& at, HashedDraws draws)
       : centre(at),
-        size(draws.next(kSmallestMark, kLargestMark)),
+        size(draws.uniform(kSmallestMark, kLargestMark)),
         outer(draws, size),
         inner(draws, 0.45 * size) {
-    const double sign = draws.next() < 0.5 ? -1.0 : 1.0;
-    outer_contrast = static_cast<float>(sign * draws.next(60.0, 100.0));
+    const double sign = draws.uniform() < 0.5 ? -1.0 : 1.0;
+    outer_contrast = static_cast<float>(sign * draws.uniform(60.0, 100.0));
     inner_contrast =
-        draws.next() < 0.6 ? static_cast<float>(-sign * draws.next(60.0, 130.0)) : 0.0f;
+        draws.uniform() < 0.6 ? static_cast<float>(-sign * draws.uniform(60.0, 130.0)) : 0.0f;
   }
 };
 

@@ -464,14 +464,23 @@ TEST(KnobMembers, EveryNumberAndSwitchIsAKnob) {
     [[maybe_unused]] auto& [stereo, stereo_mount, footprint, depth_width, depth_height, depth_mount,
                             exposure, vignetting, blur, exposure_time, read_noise, shot_noise,
                             depth_noise_constant, depth_noise_quadratic, depth_dropout,
-                            max_incidence, threads, seed] = o;
+                            max_incidence, effects, threads, seed] = o;
     EXPECT_KNOBS(o, depth_width, depth_height, exposure, vignetting, blur, exposure_time,
                  read_noise, shot_noise, max_incidence, threads);
   }
   {
+    CameraEffects o;
+    [[maybe_unused]] auto& [focal_length, principal_point, baseline, rotation, mount, light,
+                            exposure_lag, shutter, flicker, readout, glare, people, dirt,
+                            floor_shine] = o;
+    EXPECT_KNOBS(o, focal_length, principal_point, baseline, rotation, mount, light, exposure_lag,
+                 shutter, flicker, readout, glare, people, dirt, floor_shine);
+  }
+  {
     CameraSensorsOptions o;
-    [[maybe_unused]] auto& [rig, texture_quality, focal_error, baseline_error] = o;
-    EXPECT_KNOBS(o, texture_quality, focal_error, baseline_error, rig.blur);
+    [[maybe_unused]] auto& [rig, realism, effects, texture_quality, focal_error, baseline_error] =
+        o;
+    EXPECT_KNOBS(o, realism, effects.dirt, texture_quality, focal_error, baseline_error, rig.blur);
   }
   {
     SimulatorOptions o;

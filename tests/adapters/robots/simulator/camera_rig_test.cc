@@ -12,6 +12,7 @@
 
 #include "adapters/formats/worlds/load_world.h"
 #include "adapters/robots/simulator/depth_camera.h"
+#include "adapters/robots/simulator/noise_stream.h"
 #include "adapters/robots/simulator/world_mesh.h"
 #include "perception/odometry/corner_detector.h"
 #include "perception/odometry/image_pyramid.h"
@@ -349,6 +350,65 @@ TEST(CameraRig, MarksAreCornersFromHalfAMetreToFive) {
     EXPECT_GT(marks, 3);
     EXPECT_GE(found, 0.9 * marks);
   }
+}
+
+TEST(CameraRig, WithoutRealismItsEffectsDoNotMatter) {
+  const World world = load_world("office_bare");
+  const auto scene = scene_of(world);
+  CameraRigOptions options, other;
+  other.effects = scaled({.focal_length = 0.1, .rotation = 0.02, .people = 9.0}, 0.0);
+  const CameraRig rig(scene, options), same(scene, other);
+  const ImageMoment moment{3, 7.1, 1.0, 0.4};
+  const ImagePair plain = rig.stereo(world.start, {Vector3d::Zero(), 0.4}, 3);
+  const ImagePair pair = same.stereo(world.start, moment, {});
+  EXPECT_EQ(plain.left.pixels, pair.left.pixels);
+  EXPECT_EQ(plain.right.pixels, pair.right.pixels);
+  EXPECT_TRUE(rig.depth(world.start, 3).same(same.depth(world.start, 3)));
+}
+
+TEST(CameraRig, ImagesAreThoseOfTheTrueCamerasAndTheRobotIsToldOthers) {
+  const World world = load_world("office_bare");
+  const auto scene = scene_of(world);
+  CameraRigOptions options = ideal();
+  options.effects.focal_length = 0.02;
+  options.effects.rotation = 0.005;
+  options.effects.mount = 0.01;
+  options.effects.baseline = 0.05;
+  const CameraRig rig(scene, options);
+  EXPECT_EQ(rig.options().stereo.left.fx, StereoCamera().left.fx);
+  EXPECT_EQ(rig.depth_camera().fx,
+            depth_camera(options.footprint, options.depth_width, options.depth_height).fx);
+  const ImagePair pair = rig.stereo(world.start, {}, 0);
+  // By its parts.
+  const TrueStereo stereo = true_stereo(options.stereo, options.effects,
+                                        stream_seed(options.seed, NoiseStream::kTrueStereo));
+  const Isometry3d T_WC =
+      camera_pose(world.start, true_mount(options.stereo_mount, options.effects,
+                                          stream_seed(options.seed, NoiseStream::kStereoMount)));
+  EXPECT_EQ(pair.left.pixels, scene->grey(stereo.camera, T_WC).pixels);
+  const Image right = scene->grey(stereo.camera, T_WC * stereo.T_LR);
+  int apart = 0;
+  for (std::size_t n = 0; n < right.pixels.size(); ++n) {
+    apart += std::abs(right.pixels[n] - pair.right.pixels[n]) > 1;
+  }
+  EXPECT_LT(apart, 100);
+  // Another mission, another camera.
+  options.seed = 2;
+  EXPECT_NE(CameraRig(scene, options).stereo(world.start, {}, 0).left.pixels, pair.left.pixels);
+  // Depths are wrong by one factor, and seen from another mount.
+  options.effects = scaled({}, 0.0);
+  const DepthImage truth = CameraRig(scene, options).depth(world.start, 0);
+  options.effects.baseline = 0.05;
+  const DepthImage longer = CameraRig(scene, options).depth(world.start, 0);
+  double factor = 0.0;
+  for (std::size_t n = 0; n < truth.depth.size(); ++n) {
+    if (!(truth.depth[n] < 3.0f)) continue;
+    const double ratio = longer.depth[n] / truth.depth[n];
+    if (factor == 0.0) factor = ratio;
+    ASSERT_NEAR(ratio, factor, 1e-5);
+  }
+  EXPECT_NE(factor, 1.0);
+  EXPECT_LT(std::abs(factor - 1.0), 3.6 * 0.05);
 }
 
 TEST(CameraRig, RefusesWhatMakesNoSense) {

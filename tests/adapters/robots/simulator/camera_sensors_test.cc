@@ -199,6 +199,31 @@ TEST_F(CameraSensorsTest, SameSeedSameBitsWithAnyNumberOfThreads) {
   EXPECT_NE(a.estimated_pose().position, c.estimated_pose().position);
 }
 
+TEST_F(CameraSensorsTest, AMissionWithRealCamerasIsTheSameAgain) {
+  const auto world = room_with_an_opening();
+  SimulatorOptions one = small_cameras();
+  one.camera.realism = 1.0;
+  one.camera.effects.people = 8.0;  // two or three in so small a room
+  SimulatorOptions two = one, other = one, ideal = one;
+  two.camera.rig.threads = 2;
+  other.seed = 2;
+  ideal.camera.realism = 0.0;
+  Simulator a(world, one), b(world, two), c(world, other), d(world, ideal);
+  for (Simulator* s : {&a, &b, &c, &d}) {
+    s->apply(twist(0.3, 0.4), 3.0);
+  }
+  EXPECT_EQ(a.estimated_pose().position, b.estimated_pose().position);
+  EXPECT_EQ(a.picture().image->pixels, b.picture().image->pixels);
+  EXPECT_EQ(a.sense()->voxels->data(), b.sense()->voxels->data());
+  EXPECT_NE(a.estimated_pose().position, c.estimated_pose().position);
+  EXPECT_NE(a.picture().image->pixels, d.picture().image->pixels);
+  std::printf("%.2f m: off by %.1f and %.1f mm, ideal cameras by %.1f mm\n", a.path_length(),
+              1e3 * a.localization_error(), 1e3 * c.localization_error(),
+              1e3 * d.localization_error());
+  EXPECT_EQ(a.losses(), 0);
+  EXPECT_LT(a.localization_error(), 0.1 * a.path_length());
+}
+
 TEST_F(CameraSensorsTest, WhiteWallsAreARealLossAndTheWayBackEndsIt) {
   NOT_UNDER_SANITIZERS("missions go the ways of drives and of steps");
   const auto world = test::half_white_room(9.0, 4.0);

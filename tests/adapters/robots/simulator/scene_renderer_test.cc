@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <limits>
 #include <random>
@@ -333,6 +335,82 @@ TEST(SceneRenderer, RefusesABrokenMesh) {
   blind.camera = needle.camera;
   blind.camera.width = 1e6;
   EXPECT_THROW(scene.depth(blind.camera, blind.T_WC), std::invalid_argument);
+}
+
+/// A floor of one grey, a wall 4 m ahead whose lower half is dark and whose upper half is bright.
+TexturedMesh wall_above_a_floor() {
+  TexturedMesh mesh;
+  mesh.textures = {Image(1, 1, 100), Image(1, 1, 40), Image(1, 1, 220)};
+  const auto quad = [&](const std::array<Eigen::Vector3f, 4>& corners, std::uint32_t material) {
+    const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+    for (const Eigen::Vector3f& c : corners) {
+      mesh.vertices.push_back(c);
+      mesh.uv.emplace_back(0.5f, 0.5f);
+    }
+    mesh.triangles.push_back({first, first + 1, first + 2});
+    mesh.triangles.push_back({first, first + 2, first + 3});
+    mesh.material.insert(mesh.material.end(), 2, material);
+  };
+  quad({{{0, -9, 0}, {4, -9, 0}, {4, 9, 0}, {0, 9, 0}}}, 0);
+  quad({{{4, -9, 0}, {4, 9, 0}, {4, 9, 0.5f}, {4, -9, 0.5f}}}, 1);
+  quad({{{4, -9, 0.5f}, {4, 9, 0.5f}, {4, 9, 6}, {4, -9, 6}}}, 2);
+  return mesh;
+}
+
+TEST(SceneRenderer, AFloorThatShinesMirrorsWhatIsBehindIt) {
+  const TexturedMesh mesh = wall_above_a_floor();
+  SceneRendererOptions flat;
+  flat.ambient = 1.0;  // albedos as they are
+  SceneRendererOptions shiny = flat;
+  shiny.floor_shine = 0.04;
+  const SceneRenderer dull(mesh, flat), scene(mesh, shiny);
+  const PinholeCamera camera;
+  Pose pose;
+  pose.position.x() = 0.5;
+  const Isometry3d T_WC = camera_pose(pose, CameraMount());  // 0.45 m up, 3.5 m from the wall
+  const std::vector<float> without = dull.intensity(camera, T_WC),
+                           with = scene.intensity(camera, T_WC);
+  EXPECT_EQ(with, scene.intensity(camera, T_WC, 2)) << "with any number of threads";
+  int mirrored = 0;
+  for (int v = 0; v < 480; ++v) {
+    const auto at = static_cast<std::size_t>(v * 640 + 320);
+    const double below = (v - camera.cy) / camera.fy;  // drop of the ray a metre
+    const double distance = below > 0.0 ? 0.45 / below : 1e9;
+    if (distance > 3.4) {
+      if (distance > 3.6) {
+        ASSERT_EQ(with[at], without[at]) << "the wall shines not, row " << v;
+      }
+      continue;
+    }
+    const double height = below * (3.5 - distance);  // at which the mirrored ray meets the wall
+    if (std::abs(height - 0.5) < 0.05) continue;     // it is blurred there
+    const double past = 1.0 - below / std::hypot(below, 1.0);
+    const double share = 0.04 * (1.0 + 24.0 * std::pow(past, 5));
+    ASSERT_NEAR(with[at], (1.0 - share) * 100.0 + share * (height < 0.5 ? 40.0 : 220.0), 0.5) << v;
+    ++mirrored;
+  }
+  EXPECT_GT(mirrored, 150);
+  // Depth is that of the floor.
+  EXPECT_TRUE(dull.depth(camera, T_WC).same(scene.depth(camera, T_WC)));
+}
+
+TEST(SceneRenderer, AWindowIsAPartOfTheImage) {
+  const World world = load_world("office_bare");
+  const SceneRenderer scene(mesh_of(world));
+  const PinholeCamera camera;
+  const Isometry3d T_WC = camera_pose(world.start, CameraMount());
+  const DepthImage depth = scene.depth(camera, T_WC);
+  const PixelWindow window{37, 101, 64, 51};
+  const PixelLayer layer = scene.look(camera, T_WC, window, 2);
+  ASSERT_EQ(layer.depth.size(), 64U * 51U);
+  for (int v = 0; v < window.height; ++v) {
+    for (int u = 0; u < window.width; ++u) {
+      const auto n = static_cast<std::size_t>(v * window.width + u);
+      ASSERT_EQ(layer.depth[n], depth.at(window.u + u, window.v + v));
+      ASSERT_GT(layer.cosine[n], 0.0f);
+    }
+  }
+  EXPECT_THROW(scene.look(camera, T_WC, {600, 0, 64, 8}), std::invalid_argument);
 }
 
 }  // namespace
