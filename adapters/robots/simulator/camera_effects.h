@@ -17,13 +17,13 @@ struct CameraEffects {
   // Calibration: what is drawn once for a mission, one standard deviation. The robot believes the
   // camera that it is told; the images are those of the true one. Stereo calibrations by a board
   // come back with such spreads, and so the odometry is told (perception.odometry.calibration).
-  double focal_length = 0.002;   ///< of itself, of both cameras alike
-  double principal_point = 0.5;  ///< [px], each coordinate, of both cameras alike
-  double baseline = 0.003;       ///< of itself: a millimetre in 30 cm of board and rig
-  /// [rad] of the right camera against the left one, each axis: 0.24 px of disparity and of rows at
+  double focal_length = 0.003;   ///< of itself, of both cameras alike
+  double principal_point = 0.8;  ///< [px], each coordinate, of both cameras alike
+  double baseline = 0.005;       ///< of itself: a millimetre in 20 cm of board and rig
+  /// [rad] of the right camera against the left one, each axis: 0.4 px of disparity and of rows at
   /// a focal length of 450 px. The KITTI clip's own: 0.3 mrad (docs/decisions/disparity_zero.md).
-  double rotation = 0.03 * M_PI / 180.0;
-  double mount = 0.1 * M_PI / 180.0;  ///< [rad] of a camera against the body, each axis
+  double rotation = 0.05 * M_PI / 180.0;
+  double mount = 0.2 * M_PI / 180.0;  ///< [rad] of a camera against the body, each axis
 
   // Light.
   double light = 0.3;         ///< log brightness of places and directions, one standard deviation
