@@ -12,7 +12,6 @@
 #include "adapters/robots/simulator/noise_stream.h"
 #include "adapters/robots/simulator/relocalization.h"
 #include "adapters/robots/simulator/view_features.h"
-#include "engine/maps/planar_error.h"
 
 namespace prospect {
 namespace {

@@ -107,18 +107,18 @@ TEST(CorrectedMission, ARobotThatIsMovedInItsMapGoesOn) {
 }
 
 // An odometry that errs by far more than it does.
-// In a world where loops are what they say they are: of others docs/results/straight_map.md tells.
 TEST(CorrectedMission, PlacesThatAreSeenAgainKeepTheMapStraight) {
   const std::string drifts =
       "mission: {time_limit: 60}\n"
       "simulator: {odometry: {position_sigma: 0.004, heading_sigma: 0.004}";
-  const auto corridor = std::make_shared<const World>(load_world("corridor"));
+  const auto office = std::make_shared<const World>(load_world("office"));
   const auto mission = [&](const std::string& settings) {
     ExplorationRunOptions options;
     options.seed = 2;
-    return run_exploration(corridor, configuration_from_text(settings, "drifts"), options).record;
+    return run_exploration(office, configuration_from_text(settings, "drifts"), options).record;
   };
-  const RunRecord without = mission(drifts + "}\n"), with = mission(drifts + ", loops: true}\n");
+  const RunRecord without = mission(drifts + "}\n"),
+                  with = mission(drifts + "}\nperception: {loops: true}\n");
   EXPECT_EQ(with.summary.collisions, 0);
   ASSERT_TRUE(with.steps.back().map_frame);
   EXPECT_GT(with.steps.back().map_frame->taken, 0);
