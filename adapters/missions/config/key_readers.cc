@@ -138,6 +138,7 @@ constexpr std::array kRows = {
            [](const KeyReader& r) { return (real(r) && r.scans) || r.use == Use::kMapScans; },
            "of a lidar; expected a robot behind topics or a recording with one"},
     KeyRow{"perception.feature_density", mission, "of missions; expected it in one"},
+    KeyRow{"perception.loops", mission, "of missions; expected it in one"},
     KeyRow{"perception.start_floor", mission, "of missions; expected it in one"},
     KeyRow{"perception.same_time", cameras, kCameras},
     KeyRow{"perception.max_age", perceives, kCameras},
