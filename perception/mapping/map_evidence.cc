@@ -44,6 +44,14 @@ std::size_t MapEvidence::bytes() const {
   return sum;
 }
 
+MapEvidence::State MapEvidence::state(int i, int j, int k) const {
+  const Address at{brick_of(i), brick_of(j), brick_of(k)};
+  const auto found = bricks_.find(at);
+  if (found == bricks_.end()) return EvidenceTable::kNothing;
+  return found->second.states[static_cast<std::size_t>(
+      voxel(i - at[0] * kEdge, j - at[1] * kEdge, k - at[2] * kEdge))];
+}
+
 void MapEvidence::add_hit(const Eigen::Vector3d& point, int i, int j, int k) {
   const Address at{brick_of(i), brick_of(j), brick_of(k)};
   const Eigen::Vector3d corner(at[0] * kEdge, at[1] * kEdge, at[2] * kEdge);

@@ -38,6 +38,8 @@ class MapEvidence {
 
   Brick& brick(const Address& at) { return bricks_[at]; }
   const std::map<Address, Brick>& bricks() const { return bricks_; }
+  /// What is said of the voxel (i, j, k) of the lattice.
+  State state(int i, int j, int k) const;
   bool empty() const { return bricks_.empty(); }
   std::size_t bytes() const;
 

@@ -187,11 +187,12 @@ InputResult PerceptionPipeline::stereo(const StampedPair& pair) {
   if (frame_.keyframe) count_landmarks();
   const MotionInView in_C = odometry_->motion_in_view();
   motion_.reset();
+  BodyPose now = body(stamp);
   if (!in_C.moving.empty()) {
-    motion_ =
-        std::make_shared<const MotionInView>(body(stamp).T_WB * options_.stereo_mount.T_BC * in_C);
+    now.motion = motion_ =
+        std::make_shared<const MotionInView>(now.T_WB * options_.stereo_mount.T_BC * in_C);
   }
-  history_.add(stamp, body(stamp));
+  history_.add(stamp, now);
   enter_waiting();
   return {InputState::kTaken, frame_.reason};
 }
@@ -400,8 +401,9 @@ StraightMap::Robot PerceptionPipeline::robot(const Pose& pose) const {
 void PerceptionPipeline::keep_straight(double stamp, const Pose& pose) {
   if (!straight_) return;
   // What was drawn before a loss and what is drawn after it may lie apart.
-  if (std::exchange(lost_since_entry_, false)) straight_->begin_anchor(robot(pose));
-  const auto done = straight_->go_on(stamp, robot(pose));
+  const StraightMap::Robot here = robot(pose);
+  if (std::exchange(lost_since_entry_, false)) straight_->begin_anchor(here);
+  const auto done = straight_->go_on(stamp, here);
   if (!done) return;
   const FollowedCorrection& followed = done->correction;
   memory_.follow(*followed.moves);

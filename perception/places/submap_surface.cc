@@ -16,15 +16,9 @@ constexpr double kAlike = 0.8;  // cosine between walls that face alike
 
 bool is_free(const MapEvidence& evidence, const Eigen::Vector3d& p, double r,
              const EvidenceTable& table) {
-  std::array<int, 3> v, brick;
-  for (std::size_t a = 0; a < 3; ++a) {
-    v[a] = static_cast<int>(std::floor(p[static_cast<Eigen::Index>(a)] / r));
-    brick[a] = static_cast<int>(std::floor(static_cast<double>(v[a]) / kEdge));
-  }
-  const auto found = evidence.bricks().find(brick);
-  if (found == evidence.bricks().end()) return false;
-  const EvidenceTable::State s = found->second.states[static_cast<std::size_t>(MapEvidence::voxel(
-      v[0] - brick[0] * kEdge, v[1] - brick[1] * kEdge, v[2] - brick[2] * kEdge))];
+  const EvidenceTable::State s = evidence.state(static_cast<int>(std::floor(p.x() / r)),
+                                                static_cast<int>(std::floor(p.y() / r)),
+                                                static_cast<int>(std::floor(p.z() / r)));
   return s != EvidenceTable::kNothing && !table.is_surface(s);
 }
 

@@ -3,9 +3,10 @@
 
 #include <Eigen/Core>
 #include <algorithm>
-#include <cmath>
 #include <functional>
 #include <optional>
+
+#include "engine/behaviour/monitors/nearest_place.h"
 
 namespace prospect {
 
@@ -42,13 +43,7 @@ class GoalMonitor {
       stalled_for_ += std::max(0.0, stamp - *last_);
     }
     last_ = stamp;
-    const double nearest = nearest_ ? cost_to_go(*nearest_) : 0.0;
-    if (!nearest_ || !std::isfinite(nearest)) {
-      nearest_ = position;
-    } else if (cost_to_go(position) <= nearest - kDistance) {
-      nearest_ = position;
-      stalled_for_ = 0.0;
-    }
+    if (got_nearer(nearest_, position, cost_to_go, kDistance)) stalled_for_ = 0.0;
     if (explored - explored_ >= kArea) {
       explored_ = explored;
       stalled_for_ = 0.0;

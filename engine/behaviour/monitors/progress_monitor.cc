@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/behaviour/monitors/progress_monitor.h"
 
-#include <cmath>
 #include <utility>
 
+#include "engine/behaviour/monitors/nearest_place.h"
 #include "models/knobs.h"
 
 namespace prospect {
@@ -49,13 +49,7 @@ void ProgressMonitor::update(bool same, const Eigen::Vector2d& position,
     lost_ = false;
     nearest_.reset();
   }
-  const double nearest = nearest_ ? cost_to_go(*nearest_) : 0.0;
-  if (!nearest_ || !std::isfinite(nearest)) {
-    nearest_ = position;
-  } else if (cost_to_go(position) <= nearest - options_.distance) {
-    nearest_ = position;
-    got_on();
-  }
+  if (got_nearer(nearest_, position, cost_to_go, options_.distance)) got_on();
   if (explored - explored_ >= options_.area) {
     explored_ = explored;
     stalled_ = false;
