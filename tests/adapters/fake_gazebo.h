@@ -46,9 +46,14 @@ class FakeGazebo {
   /// What it says to a message of somebody else's topic: messages by topic. Called by its thread.
   using Answers = std::vector<std::pair<std::string, std::string>>;
   using Answer = std::function<Answers(const std::string& topic, std::string_view message)>;
+  /// What it says when somebody listens to a topic: before, nothing of it reaches anybody.
+  using Listened = std::function<Answers(const std::string& topic)>;
 
-  explicit FakeGazebo(Answer answer = {})
-      : answer_(std::move(answer)), master_(listen(master_port_)), data_(listen(data_port_)) {
+  explicit FakeGazebo(Answer answer = {}, Listened listened = {})
+      : answer_(std::move(answer)),
+        listened_(std::move(listened)),
+        master_(listen(master_port_)),
+        data_(listen(data_port_)) {
     thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
   }
   ~FakeGazebo() {
@@ -115,6 +120,10 @@ class FakeGazebo {
     }
   }
 
+  void send_all(const Answers& all) {
+    for (const auto& [topic, bytes] : all) send(topic, bytes);
+  }
+
   static int listen(int& port) {
     sockaddr_in address{};
     address.sin_family = AF_INET;
@@ -165,9 +174,7 @@ class FakeGazebo {
 
   void take(Link& link, std::string_view frame) {
     if (link.kind == Link::kWriter) {
-      if (answer_) {
-        for (const auto& [topic, bytes] : answer_(link.topic, frame)) send(topic, bytes);
-      }
+      if (answer_) send_all(answer_(link.topic, frame));
       if (!link.topic.ends_with("/vel_cmd")) return;
       gazebo::msgs::Pose velocity;
       if (!velocity.ParseFromArray(frame.data(), static_cast<int>(frame.size()))) return;
@@ -182,6 +189,7 @@ class FakeGazebo {
     gazebo::msgs::Publish given;
     if (in.type() == "sub" && ask.ParseFromString(in.serialized_data())) {
       link.topic = ask.topic();
+      if (listened_) send_all(listened_(link.topic));
     } else if (in.type() == "subscribe" && ask.ParseFromString(in.serialized_data())) {
       link.stream.send(packet("publisher_subscribe", offer(ask.topic(), ask.msg_type())));
     } else if (in.type() == "advertise" && given.ParseFromString(in.serialized_data())) {
@@ -216,6 +224,7 @@ class FakeGazebo {
   }
 
   const Answer answer_;
+  const Listened listened_;
   int master_port_ = 0, data_port_ = 0;
   int master_, data_;
   std::mutex mutex_;

@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <mutex>
+#include <set>
 #include <string>
 #include <thread>
 #include <utility>
@@ -31,10 +32,14 @@ using ::testing::HasSubstr;
 using Steady = std::chrono::steady_clock;
 
 const std::string kTopics = "/gazebo/room/";
+const std::string kStereo = "robot/base/stereo/images";
+const std::string kDepth = "robot/base/depth/image";
+const std::string kRear = "robot/base/depth_1/image";
 
-/// A world that stands and is stepped, of Gazebo's habits: a camera takes its first frame where it
-/// looks first at one of its instants, the others a period after each other from there on; a frame
-/// comes when it is rendered, poses at most 60 times a second of the machine.
+/// A world that stands and is stepped, of Gazebo's habits: a camera looks when somebody listens; it
+/// takes its first frame where it looks first at one of its instants, the others a period after
+/// each other from there on; a frame comes when it is rendered, poses at most 60 times a second of
+/// the machine.
 struct SteppedRoom {
   static constexpr double kStep = 0.002;
   // What it is.
@@ -56,9 +61,17 @@ struct SteppedRoom {
   Steady::time_point told{};
   std::jthread statistics;
   std::vector<std::jthread> renderers;
+  std::set<std::string> listened;  // topics
   FakeGazebo gazebo{[this](const std::string& topic, std::string_view message) {
-    return answer(topic.substr(kTopics.size()), message);
-  }};
+                      return answer(topic.substr(kTopics.size()), message);
+                    },
+                    [this](const std::string& topic) {
+                      const std::lock_guard lock(mutex);
+                      FakeGazebo::Answers out;
+                      listened.insert(topic.substr(kTopics.size()));
+                      if (steps > 0) look(out, true);
+                      return out;
+                    }};
 
   SteppedRoom() {
     statistics = std::jthread([this](const std::stop_token& stop) {
@@ -149,7 +162,9 @@ struct SteppedRoom {
   }
 
   /// Whether a camera takes a frame now.
-  bool takes(double& frame, double rate, double now, bool looks) const {
+  bool takes(const std::string& topic, double& frame, double rate, bool looks) const {
+    const double now = static_cast<double>(steps) * kStep;
+    if (!listened.contains(topic)) return false;
     if (std::isnan(frame) && looks && std::fmod(now, 1.0 / rate) < kStep - 1e-9) frame = now;
     if (!(now >= frame - 0.5 * kStep - 1e-9)) return false;
     frame += 1.0 / rate;
@@ -175,26 +190,32 @@ struct SteppedRoom {
       }
       out.emplace_back(kTopics + "pose/info", poses.SerializeAsString());
     }
-    if (takes(next[0], 15.0, now, looks) && std::floor(now * 15.0 + 1e-6) != omitted) {
+    look(out, looks);
+  }
+
+  /// All cameras, at this step.
+  void look(FakeGazebo::Answers& out, bool looks) {
+    const double now = static_cast<double>(steps) * kStep;
+    if (takes(kStereo, next[0], 15.0, looks) && std::floor(now * 15.0 + 1e-6) != omitted) {
       msgs::ImagesStamped pair;
       FakeGazebo::stamp(pair, now);
       picture(pair.add_image(), "l");
       picture(pair.add_image(), "r");
-      render(out, "robot/base/stereo/images", pair.SerializeAsString());
+      render(out, kStereo, pair.SerializeAsString());
     }
-    if (takes(next[1], 10.0, now, looks)) {
+    if (takes(kDepth, next[1], 10.0, looks)) {
       const float metres = 1.0f;
       msgs::ImageStamped depth;
       FakeGazebo::stamp(depth, now);
       picture(depth.mutable_image(), std::string(reinterpret_cast<const char*>(&metres), 4));
-      render(out, "robot/base/depth/image", depth.SerializeAsString());
+      render(out, kDepth, depth.SerializeAsString());
     }
-    if (takes(next[2], 5.0, now, looks)) {
+    if (takes(kRear, next[2], 5.0, looks)) {
       const float metres = 2.0f;
       msgs::ImageStamped depth;
       FakeGazebo::stamp(depth, now);
       picture(depth.mutable_image(), std::string(reinterpret_cast<const char*>(&metres), 4));
-      render(out, "robot/base/depth_1/image", depth.SerializeAsString());
+      render(out, kRear, depth.SerializeAsString());
     }
   }
 
