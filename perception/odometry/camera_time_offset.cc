@@ -15,6 +15,7 @@ constexpr double kLeastNoise = 0.05;  // [px] of a row error, whatever the resid
 constexpr double kHuber = 1.5;        // standard deviations
 /// [px] by which rows move between frames, as a root mean square: less is what poses err by.
 constexpr double kLeastMotion = 0.25;
+constexpr double kRegular = 0.02;    // of it, by which regular stamps may be off
 constexpr double kLongestGap = 2.5;  // of the usual time between frames
 constexpr std::size_t kBlocks = 16, kLeastBlocks = 4;
 /// Of the time between frames, by which the curve between them may be off half way.
@@ -57,7 +58,7 @@ CameraTimeOffset::CameraTimeOffset(const CameraTimeOffsetOptions& options)
     : options_(options), sigma_(std::max(options.prior_sigma, 0.0)) {}
 
 void CameraTimeOffset::Sums::add(const Vector& row, double value, double weight) {
-  A += weight * row * row.transpose();
+  A += (weight * row) * row.transpose();
   b += weight * value * row;
   squares += weight * value * value;
 }
@@ -151,17 +152,19 @@ std::vector<double> CameraTimeOffset::shift_to(const View& other,
     r << by_pose(row), phi(row.at);
     return r;
   };
+  std::vector<Vector> regressors;
   Rows both;
   auto there = other.rows.begin();
   for (const Row& row : here.rows) {
+    regressors.push_back(regressor(row));
     while (there != other.rows.end() && there->id < row.id) ++there;
-    if (there == other.rows.end()) break;
-    if (there->id == row.id) both.emplace_back(regressor(row), there->row - row.row);
+    if (there == other.rows.end() || there->id != row.id) continue;
+    both.emplace_back(regressors.back(), there->row - row.row);
   }
   if (both.size() < 2 * kLeastPoints) return {};
   Vector state = Vector::Unit(0);  // the poses are right
   std::vector<double> spread(both.size());
-  for (int round = 0; round < 3; ++round) {
+  for (int round = 0; round < 2; ++round) {
     for (std::size_t i = 0; i < both.size(); ++i) {
       spread[i] = std::abs(both[i].second - both[i].first.dot(state));
     }
@@ -177,7 +180,7 @@ std::vector<double> CameraTimeOffset::shift_to(const View& other,
     state = sums.A.ldlt().solve(sums.b);
   }
   std::vector<double> shifts;
-  for (const Row& row : here.rows) shifts.push_back(regressor(row).dot(state));
+  for (const Vector& row : regressors) shifts.push_back(row.dot(state));
   return shifts;
 }
 
@@ -264,6 +267,14 @@ void CameraTimeOffset::enter(const StereoCamera& camera) {
   }
   const std::array<Rows, kPieces>& rows = *linear;
   if (rows[0].empty()) return;
+  // Frames at regular times are the same by times and by numbers.
+  bool regular = true;
+  for (std::size_t i = 0; i < views_.size(); ++i) {
+    const double expected = (static_cast<int>(i) - kReach) * period_;
+    regular =
+        regular && std::abs(views_[i].stamp - views_[kReach].stamp - expected) < kRegular * period_;
+  }
+  const std::size_t pieces = regular ? kPieces / 2 : kPieces;
   const std::array<Sums, kPieces> before = total();
   std::array<Vector, kPieces> state;
   std::vector<double> spread(rows[0].size());
@@ -283,7 +294,7 @@ void CameraTimeOffset::enter(const StereoCamera& camera) {
   // Once by what was known before, and again by what this frame makes of it. All pieces are held
   // against the noise of the one that fits best, or none would fit worse.
   double least = 0.0;
-  for (std::size_t p = 0; p < kPieces; ++p) {
+  for (std::size_t p = 0; p < pieces; ++p) {
     state[p] = before[p].A.ldlt().solve(before[p].b);
     Sums with = before[p];
     weigh(p, spread_of(p), with);
@@ -292,7 +303,12 @@ void CameraTimeOffset::enter(const StereoCamera& camera) {
     if (p == 0 || noise < least) least = noise;
   }
   Block& block = open_block();
-  for (std::size_t p = 0; p < kPieces; ++p) weigh(p, least, block.of[p]);
+  for (std::size_t p = 0; p < pieces; ++p) {
+    Sums sums;
+    weigh(p, least, sums);
+    block.of[p] += sums;
+    if (regular) block.of[p + pieces] += sums;
+  }
   ++block.frames;
 }
 
