@@ -15,10 +15,12 @@ namespace {
 constexpr std::size_t kMostPlanes = 8;
 constexpr std::size_t kMostViews = 64;
 constexpr std::size_t kMostCells = 1024;
-constexpr double kCell = 0.1;             // [m]
-constexpr double kBelow = 0.05;           // [m]: no noise of a plane
-constexpr double kMost = 0.5;             // of what was seen
-constexpr double kHardly = 0.1;           // of what was seen
+constexpr double kCell = 0.1;    // [m]
+constexpr double kBelow = 0.05;  // [m]: no noise of a plane
+constexpr double kMost = 0.5;    // of what was seen
+constexpr double kHardly = 0.1;  // of what was seen
+/// [m^2] over which a floor and the depths of it err alike, in every view.
+constexpr double kAlike = 0.25;
 constexpr double kWithin = 3.0;           // [standard deviations]
 constexpr double kTrackTilt = 0.1;        // [rad]: where the one taken is looked for
 constexpr double kTrackHeight = 0.12;     // [m]
@@ -151,6 +153,26 @@ int GroundHypotheses::enter(const Found& found, const std::vector<int>& seen,
   return plane->state.number;
 }
 
+/// Of what all views of a plane share, as the header says; of (theta_1, theta_2, height at the
+/// origin).
+Eigen::Matrix3d GroundHypotheses::shared_covariance(const Plane& plane, const Eigen::Vector3d& t1,
+                                                    const Eigen::Vector3d& t2,
+                                                    const Eigen::Vector3d& origin) const {
+  const GroundPrior& prior = options_.prior;
+  const double tilt = 1.0 / (prior.tilt_tolerance * prior.tilt_tolerance);
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+  information.diagonal() << tilt, tilt, 1.0 / (prior.height_tolerance * prior.height_tolerance);
+  for (const auto& [cell, seen] : plane.cells) {
+    const double height = plane.state.normal.dot(seen.eye) + plane.state.offset;
+    const double sigma =
+        ground_sigma(height, std::max(kCell, (seen.point - seen.eye).norm()), options_.ground);
+    const Eigen::Vector3d away = seen.point - origin;
+    const Eigen::Vector3d J(t1.dot(away), t2.dot(away), 1.0);
+    information += kCell * kCell / (kAlike * sigma * sigma) * J * J.transpose();
+  }
+  return information.inverse();
+}
+
 /// Unknowns: how the normal tips (theta_1, theta_2) and how much higher the first frame's camera is
 /// above the plane, from where the hypothesis stands.
 void GroundHypotheses::estimate(Plane& plane) const {
@@ -178,13 +200,14 @@ void GroundHypotheses::estimate(Plane& plane) const {
     row.C = turn * view.covariance * turn.transpose();
     rows.push_back(row);
   }
+  const Eigen::Matrix3d shared = shared_covariance(plane, t1, t2, first_.translation());
   const double tilt0 = options_.view_sigma_tilt * options_.view_sigma_tilt;
   const double height0 = options_.view_sigma_height * options_.view_sigma_height;
   double tau_tilt = tilt0, tau_height = height0;
   Eigen::Vector3d x = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d information;
+  Eigen::Matrix3d covariance;
   for (int round = 0; round < 3; ++round) {
-    information.setZero();
+    Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
     Eigen::Vector3d right = Eigen::Vector3d::Zero();
     for (const Row& row : rows) {
       Eigen::Matrix3d C = row.C;
@@ -193,12 +216,19 @@ void GroundHypotheses::estimate(Plane& plane) const {
       information += row.H.transpose() * W * row.H;
       right += row.H.transpose() * W * row.z;
     }
+    covariance = information.inverse();
+    x = covariance * right;
+    covariance += shared;
     if (options_.height) {
+      const Eigen::Matrix3d views = covariance.inverse();
+      Eigen::Vector3d both = views * x;
+      information = views;
       const double w = 1.0 / (options_.sigma_height * options_.sigma_height);
       information(2, 2) += w;
-      right[2] += w * (*options_.height - height);
+      both[2] += w * (*options_.height - height);
+      covariance = information.inverse();
+      x = covariance * both;
     }
-    x = information.inverse() * right;
     double tilt = 0.0, high = 0.0;
     for (const Row& row : rows) {
       const Eigen::Vector3d e = row.z - row.H * x;
@@ -225,7 +255,7 @@ void GroundHypotheses::estimate(Plane& plane) const {
   const Eigen::Vector3d d1 = first_.linear() * c1, d2 = first_.linear() * c2;
   Eigen::Matrix3d turn;
   turn << d1.dot(t1), d1.dot(t2), 0, d2.dot(t1), d2.dot(t2), 0, 0, 0, 1;
-  first.covariance = turn * information.inverse() * turn.transpose();
+  first.covariance = turn * covariance * turn.transpose();
   if (!options_.poses) {
     // The camera looks from the same place each time, and what its images share stays.
     first.covariance.diagonal() += Eigen::Vector3d(tilt0, tilt0, height0);

@@ -84,8 +84,15 @@ struct GroundObservation {
 /// newest 64, with the height stated if there is one. The covariance of a view is that of its image
 /// plus that between views, tau^2: one view_sigma squared, pooled with the spread of the views that
 /// their images do not explain (a random-effects model, DerSimonian and Laird 1986). Without poses
-/// all views are of one view, and view_sigma squared is added to their mean's. An error of all
-/// images, as of the depth scale, is not in it.
+/// all views are of one view, and view_sigma squared is added to their mean's.
+///
+/// Views of the same floor err alike: it is not flat there, and its depths are distorted. What all
+/// share is as large as the noise of a point seen from there (ground_sigma()), alike over 0.25 m^2,
+/// and so no number of looks makes it less, but only more of the floor: with the cells seen, of
+/// area a at p, J = (t_1 . (p - o), t_2 . (p - o), 1), o the first frame's camera,
+///   S = (sum over cells (a / 0.25 m^2) J J^T / sigma^2)^-1
+/// is added to the covariance of the mean. A floor seen at an angle in one corner is so hardly
+/// known in its tilt. An error of the depth scale is not in it.
 ///
 /// Choice. A hypothesis can be taken if least_frames agree on it, least_area of it was seen, and
 /// its height is the one stated within three standard deviations. Of those the one taken stays, or
@@ -151,6 +158,8 @@ class GroundHypotheses {
   int enter(const Found& found, const std::vector<int>& seen, const DepthImage& image,
             const Eigen::Isometry3d& T_DC);
   void estimate(Plane& plane) const;
+  Eigen::Matrix3d shared_covariance(const Plane& plane, const Eigen::Vector3d& t1,
+                                    const Eigen::Vector3d& t2, const Eigen::Vector3d& origin) const;
   bool is_below(const Plane& b, const Plane& a, bool mostly) const;
   bool is_seen_through(const Plane& b, const Plane& a) const;
   bool beats(const Plane& b, const Plane& a) const;

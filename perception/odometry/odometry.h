@@ -49,7 +49,8 @@ struct OdometryFrame {
   double disparity_offset = 0.0;
   double disparity_offset_sigma = 0.0;
   /// By how much later the right image is taken than the left one (camera_time_offset.h) [s]; not
-  /// corrected.
+  /// corrected. Not known: zero, with the deviation that is expected of cameras.
+  bool camera_time_offset_known = false;
   double camera_time_offset = 0.0;
   double camera_time_offset_sigma = 0.0;
   /// Standard deviation of what all depths may be wrong by, for it is not corrected; share of them.

@@ -39,6 +39,7 @@
 #include "perception/odometry/shared_errors.h"
 #include "perception/odometry/still_view.h"
 #include "perception/odometry/track.h"
+#include "perception/odometry/track_passes.h"
 #include "perception/odometry/track_survival.h"
 #include "perception/odometry/trusted_pose.h"
 
@@ -158,6 +159,7 @@ struct StereoOdometry::Impl {
     out.row_error = row_error;
     out.disparity_offset = offset;
     out.disparity_offset_sigma = std::sqrt(drift.calibration_variance(kDisparityError));
+    out.camera_time_offset_known = time_offset.known();
     out.camera_time_offset = time_offset.value();
     out.camera_time_offset_sigma = time_offset.sigma();
     out.camera_time_offset_depth = time_offset.depth_sigma();
@@ -331,6 +333,19 @@ struct StereoOdometry::Impl {
     return drift.measure(DriftMeasurement(camera, tracks, seen, pose, options.pose,
                                           options.shared_errors, noise.variance())
                              .of_pose());
+  }
+
+  /// The right image shows few of the landmarks near their rows: where it shows them otherwise,
+  /// which is what a time between the images does.
+  void find_rows(const ImageView& right) {
+    if (!time_offset.estimated()) return;
+    const auto tracked =
+        std::count_if(tracks.begin(), tracks.end(), [](const Track& t) { return t.inlier; });
+    const auto shown = std::count_if(tracks.begin(), tracks.end(),
+                                     [](const Track& t) { return t.inlier && t.in_right; });
+    if (2 * shown >= tracked) return;
+    track_rows(tracks, trusted.T_CW, ImagePyramid(right, options.pyramid_levels), camera, offset,
+               options);
   }
 
   /// What the newest pose says about the disparity offset; then all landmarks move with it.
@@ -537,6 +552,7 @@ struct StereoOdometry::Impl {
   /// A frame that was not located; after long a map begins anew.
   OdometryFrame lost_frame(double stamp, FrameImages now, OdometryFrame& out) {
     forget_second();
+    time_offset.interrupt();
     for (Track& t : tracks) t.tracked = t.inlier = t.has_right = false;
     hold(stamp);
     const double since_good = stamp - trusted.stamp;
@@ -611,7 +627,12 @@ OdometryFrame StereoOdometry::Impl::process(double stamp, const ImageView& left,
     add_reason(out.reason, "two motions compete");
     state = Localization::kDegraded;
   }
-  if (trusted.velocity) time_offset.update(camera, tracks, trusted.T_CW, *trusted.velocity);
+  if (trusted.velocity) {
+    find_rows(right);
+    time_offset.update(camera, tracks, trusted.T_CW, *trusted.velocity, stamp);
+  } else {
+    time_offset.interrupt();
+  }
   if (time_offset.out_of_step()) {
     out.out_of_step = time_offset.reason(clock.period());
     add_reason(out.reason, out.out_of_step);

@@ -43,7 +43,7 @@ void describe(Knobs& knobs, CameraTimeOffsetOptions& o) {
   knobs.number("prior_rows", o.prior_rows, {0.001, 10.0}, "px",
                "error of the rectification's rows");
   knobs.number("trust", o.trust, {0.001, 1.0}, "1", "share of what it says that evidence is worth");
-  knobs.number("memory", o.memory, {1.0, 1e9}, "1", "frames after which evidence counts for 1/e");
+  knobs.number("memory", o.memory, {1.0, 1e9}, "1", "frames that evidence is kept for");
   knobs.number("max_error", o.max_error, {0.0, 1.0}, "1",
                "share of the depth that it may cost; more: degraded");
 }

@@ -60,4 +60,22 @@ void track_fine(std::vector<Track>& tracks, const Eigen::Isometry3d& T_CW, const
   }
 }
 
+void track_rows(std::vector<Track>& tracks, const Eigen::Isometry3d& T_CW,
+                const ImagePyramid& right, const StereoCamera& camera, double offset,
+                const StereoOdometryOptions& options) {
+  for (Track& t : tracks) {
+    if (!t.inlier || t.in_right) continue;
+    const auto start = predict_track(t, T_CW, camera, options.max_scale);
+    if (!start) continue;
+    const double depth = (T_CW * t.position).z();
+    const float disparity = static_cast<float>(camera.left.fx * camera.baseline / depth - offset);
+    const TrackResult result = track_patch(
+        t.anchor->left, t.pixel, right, {t.left - Eigen::Vector2f(disparity, 0.0f), start->A_right},
+        {right.levels() - 1, 0}, true, options.tracking);
+    if (result.outcome != TrackOutcome::kTracked) continue;
+    t.in_right = true;
+    t.row_error = result.position.y() - t.left.y();
+  }
+}
+
 }  // namespace prospect

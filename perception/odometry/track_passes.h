@@ -29,4 +29,11 @@ void track_fine(std::vector<Track>& tracks, const Eigen::Isometry3d& T_CW, const
                 const ImagePyramid& right, const StereoCamera& camera, double offset,
                 const StereoOdometryOptions& options);
 
+/// Those that the left image shows, at the pose T_CW, but the right one not near their rows: looks
+/// for them in any row, from the top of the pyramid on. Sets in_right and row_error alone, for
+/// camera_time_offset.h; the pose has nothing of them.
+void track_rows(std::vector<Track>& tracks, const Eigen::Isometry3d& T_CW,
+                const ImagePyramid& right, const StereoCamera& camera, double offset,
+                const StereoOdometryOptions& options);
+
 }  // namespace prospect

@@ -73,7 +73,9 @@ OdometryRun run_odometry(const StereoDataset& dataset, const StereoOdometryOptio
 }
 
 OdometrySummary summarize(const OdometryRun& run) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
   OdometrySummary s;
+  s.camera_time_offset = s.camera_time_offset_sigma = nan;
   std::vector<double> pyramids, tracking, pose, keyframe, frame, processor, processor_keyframe;
   bool was_lost = false;
   std::map<std::string, int> reasons;
@@ -96,8 +98,9 @@ OdometrySummary summarize(const OdometryRun& run) {
     (f.keyframe ? processor_keyframe : processor).push_back(f.times.processor);
     s.disparity_offset = f.disparity_offset;
     s.disparity_offset_sigma = f.disparity_offset_sigma;
-    s.camera_time_offset = f.camera_time_offset;
-    s.camera_time_offset_sigma = f.camera_time_offset_sigma;
+    const bool timed = f.camera_time_offset_known;
+    s.camera_time_offset = timed ? f.camera_time_offset : nan;
+    s.camera_time_offset_sigma = timed ? f.camera_time_offset_sigma : nan;
     if (!f.out_of_step.empty()) s.out_of_step = f.out_of_step;
   }
   s.consistency = run.consistency;
@@ -108,7 +111,6 @@ OdometrySummary summarize(const OdometryRun& run) {
   s.frame = percentiles(frame);
   s.processor = percentiles(processor);
   s.processor_keyframe = percentiles(processor_keyframe);
-  const double nan = std::numeric_limits<double>::quiet_NaN();
   const int located = s.frames - s.lost;
   s.covered = s.frames > 0 ? static_cast<double>(located) / s.frames : nan;
   s.covered_truth = s.frames > 0 ? static_cast<double>(run.pairs.size()) / s.frames : nan;

@@ -66,7 +66,7 @@ struct OdometrySummary {
   /// Processor time of frames without and of frames with a keyframe, all included.
   TimePercentiles processor, processor_keyframe;
   double disparity_offset = 0.0, disparity_offset_sigma = 0.0;  ///< [px], at the end; NaN: all lost
-  /// By how much later the right image is taken than the left one, at the end [s], NaN: all lost;
+  /// By how much later the right image is taken than the left one, at the end [s], NaN: not known;
   /// and why that is too much, empty if it is not.
   double camera_time_offset = 0.0, camera_time_offset_sigma = 0.0;
   std::string out_of_step;

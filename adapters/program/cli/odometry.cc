@@ -130,8 +130,13 @@ void print(const OdometrySummary& s, bool truth) {
   if (std::isfinite(s.disparity_offset)) {
     std::printf("disparities  measured %.3f +- %.3f px too small, corrected\n", s.disparity_offset,
                 s.disparity_offset_sigma);
+  }
+  if (std::isfinite(s.camera_time_offset)) {
     std::printf("right camera %.1f +- %.1f ms later than the left one\n",
                 1e3 * s.camera_time_offset, 1e3 * s.camera_time_offset_sigma);
+  } else {
+    std::printf(
+        "right camera not known how much later than the left one: the motion does not tell\n");
   }
   if (!s.out_of_step.empty()) std::printf("out of step  %s\n", s.out_of_step.c_str());
   const auto row = [](const char* name, const TimePercentiles& t) {

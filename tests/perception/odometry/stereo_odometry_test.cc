@@ -403,7 +403,7 @@ TEST(StereoOdometry, CamerasOutOfStepSayWhatDepthsMayBeOffBy) {
   for (const double tau : {0.0, 0.02}) {
     StereoOdometry odometry(camera, {}, at(0.0));
     OdometryFrame last;
-    for (int k = 0; k <= 10; ++k) {
+    for (int k = 0; k <= 20; ++k) {
       const double t = kPeriod * k;
       Isometry3d T_right = at(t + tau);
       T_right.translation() += camera.baseline * T_right.linear().col(0);
@@ -411,7 +411,7 @@ TEST(StereoOdometry, CamerasOutOfStepSayWhatDepthsMayBeOffBy) {
       const Image right = room.render(camera.left, T_right, 2.0, 800 + k);
       last = odometry.process(t, left.view(), right.view());
     }
-    const double way = (at(1.0).translation() - at(0.0).translation()).norm();
+    const double way = (at(2.0).translation() - at(0.0).translation()).norm();
     const double share = (last.T_WC.translation() - at(0.0).translation()).norm() / way - 1.0;
     std::printf(
         "right camera %.0f ms late: %.1f +- %.1f ms found, way off by %.1f %%, depths may be "
@@ -421,9 +421,9 @@ TEST(StereoOdometry, CamerasOutOfStepSayWhatDepthsMayBeOffBy) {
     EXPECT_NEAR(last.camera_time_offset, tau, 0.005);
     EXPECT_LT(std::abs(share), 0.01 + 4.0 * last.camera_time_offset_depth);
     if (tau == 0.0) {
-      EXPECT_LT(last.camera_time_offset_depth, 0.02);
+      EXPECT_LT(last.camera_time_offset_depth, 0.04);
     } else {
-      EXPECT_GT(last.camera_time_offset_depth, 0.02);
+      EXPECT_GT(last.camera_time_offset_depth, 0.2);
     }
   }
 }

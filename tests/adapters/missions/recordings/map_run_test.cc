@@ -301,6 +301,48 @@ TEST(RealRecording, OfAKitchen) {
   std::printf("a frame takes %.1f ms of the processor, 95 %%: %.1f ms\n", s.frame.p50, s.frame.p95);
 }
 
+// The ground of some frames in a row against that of all: often a piece of floor at an angle.
+TEST(RealRecording, AFewLooksAtAKitchensFloorClaimNoMoreThanTheyKnow) {
+  const std::string folder = shared(kKitchen);
+  if (!fs::exists(folder)) GTEST_SKIP() << "no " << folder;
+  const DepthDataset dataset = DepthDataset::open(folder);
+  std::vector<DepthImage> images;
+  for (int i = 0; i < dataset.size(); ++i) images.push_back(dataset.read(i));
+  const auto ground = [&](int first, int frames) {
+    GroundHypotheses hypotheses(dataset.camera());
+    for (int i = first; i < first + frames; ++i) {
+      hypotheses.add(images[static_cast<std::size_t>(i)], dataset.pose(i));
+    }
+    hypotheses.settle();
+    EXPECT_NE(hypotheses.taken(), nullptr) << first << " " << frames;
+    return hypotheses.taken() != nullptr ? *hypotheses.taken() : GroundHypothesis();
+  };
+  const GroundHypothesis whole = ground(0, dataset.size());
+  for (const int frames : {3, 5, 10, 20}) {
+    double tilt = 0.0, height = 0.0, most = 0.0;
+    int windows = 0;
+    for (int first = 0; first + frames <= dataset.size(); first += std::max(1, frames / 3)) {
+      const GroundHypothesis found = ground(first, frames);
+      const Eigen::Isometry3d T_DC = dataset.pose(first);
+      const Eigen::Vector3d up = T_DC.linear().transpose() * whole.normal;
+      Eigen::Vector3d t1, t2;
+      ground_tangents(T_DC.linear().transpose() * found.normal, t1, t2);
+      const Eigen::Vector2d e(up.dot(t1), up.dot(t2));
+      const double off = whole.normal.dot(T_DC.translation()) + whole.offset - found.height;
+      const double tilt2 = e.dot(found.covariance.topLeftCorner<2, 2>().inverse() * e);
+      const double height2 = off * off / (found.sigma_height * found.sigma_height);
+      tilt += 0.5 * tilt2;
+      height += height2;
+      most = std::max({most, std::sqrt(tilt2), std::sqrt(height2)});
+      ++windows;
+    }
+    std::printf("%d frames: NEES of the tilt %.2f, of the height %.2f, at most %.1f deviations\n",
+                frames, tilt / windows, height / windows, most);
+    EXPECT_LT(most, 3.0) << frames;
+    EXPECT_GT(tilt / windows, 0.2);  // not by claiming nothing
+  }
+}
+
 // The kitchen with poses that jump by 10 cm half way, so that a wall seen again lies before the
 // one that is in the map. (Away from it, the new rays clear the old wall and nothing is left.)
 TEST(RealRecording, WrongPosesDoubleWallsOfAKitchen) {
