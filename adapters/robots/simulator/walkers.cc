@@ -141,10 +141,11 @@ void Walkers::step(Walker& walker, Way& way, double dt, const Eigen::Vector2d& r
   const Eigen::Vector2d next = walker.at + ahead / left * std::min(left, kWalkingSpeed * dt);
   const double distance = (next - robot).norm();
   const bool nearer = distance < (walker.at - robot).norm();
-  const bool bumps = nearer && touches && touches(next);
+  const bool keeps = nearer && distance < keep_;
+  const bool bumps = nearer && !keeps && touches && touches(next);
   bumps_ += bumps && !way.bumped;
   way.bumped = bumps || (way.bumped && distance < 2.0 * keep_);
-  if (bumps || (nearer && distance < keep_)) {
+  if (bumps || keeps) {
     way.waited += dt;
     if (way.waited > kPatience) choose(walker, way);
     return;
