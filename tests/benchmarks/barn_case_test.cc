@@ -9,6 +9,7 @@
 #include <string>
 
 #include "adapters/formats/files/input_error.h"
+#include "tests/not_under_sanitizers.h"
 
 namespace prospect::barn_case_test {
 namespace {
@@ -44,6 +45,7 @@ TEST(BarnCase, APathThatIsNoneIsRefused) {
 }
 
 TEST(BarnCase, ReachesTheGoalOfAWorldOfBarnAndTouchesNothing) {
+  NOT_UNDER_SANITIZERS("a mission of a bulky body goes the ways of shorter tests");
   const std::string folder = std::string(PROSPECT_SHARED_DATA) + "/barn/";
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no worlds of BARN here";
   EXPECT_NEAR(barn_path_length(folder + "path_0.npy", kStart, kGoal), 13.43, 0.01);
