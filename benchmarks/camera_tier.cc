@@ -139,7 +139,8 @@ int run(int argc, char** argv) {
     options.threads = threads;
     options.effects = effects;
     const CameraRig rig(scene, options);
-    Walkers walkers(world, effects.people, world.start, kSeed);
+    Walkers walkers(world, {}, effects.people, world.start, kSeed);
+    People people(kSeed);
     ExposureControl control(effects.exposure_lag);
     std::vector<double> stereo_wall, stereo_processor, depth_wall, depth_processor;
     for (int n = 0; n < frames; ++n) {
@@ -149,10 +150,10 @@ int run(int argc, char** argv) {
       const double stamp = 0.1 * n;
       walkers.advance(stamp, pose);
       watch.lap();
-      const ImagePair pair =
-          rig.stereo(pose, {frame, stamp, control.exposure(), kTurning}, walkers.people());
+      const ImagePair pair = rig.stereo(pose, {frame, stamp, control.exposure(), kTurning},
+                                        people.of(walkers.walkers()));
       const auto stereo = watch.lap();
-      const DepthImage depth = rig.depth(pose, frame, walkers.people());
+      const DepthImage depth = rig.depth(pose, frame, people.of(walkers.walkers()));
       const auto ranging = watch.lap();
       control.measured(stamp, pair.left);
       stereo_wall.push_back(stereo.wall);

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Core>
+#include <vector>
+
 #include "engine/maps/belief.h"
 #include "models/types.h"
 
@@ -16,6 +19,8 @@ struct TrueState {
   int collisions = 0;
   int losses = 0;       ///< of localization
   bool fallen = false;  ///< a wheel of it stands where there is no floor: over an edge, in a hole
+  int bumps = 0;        ///< how often somebody ran into it
+  std::vector<Eigen::Vector2d> people{};  ///< where they are, in the true world [m]
 };
 
 /// Who knows what is true of a robot. Nothing that drives it may ask. Thread-safety: one thread at

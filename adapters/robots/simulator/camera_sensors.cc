@@ -107,14 +107,12 @@ CameraSensors::CameraSensors(const World& world, const SimulatorOptions& options
       more_(more_rigs(rig_, options)),
       looking_(depth_cameras(world, options)),
       exposure_(rig_.options().effects.exposure_lag),
+      people_(stream_seed(options.seed, NoiseStream::kPeople)),
       has_wheels_(perception.wheels),
       perception_(believed(options),
                   perception_of(options, perception, rig_.depth_camera(), more_, start)),
       wheel_noise_(stream_seed(options.seed, NoiseStream::kWheels)),
       wheel_pose_(start) {
-  if (const double people = rig_.options().effects.people; people > 0.0) {
-    walkers_.emplace(world, people, start, stream_seed(options.seed, NoiseStream::kPeople));
-  }
   if (options.map) perception_.map().load(*options.map);
   const double z = start.position.z();
   for (const Disc& d : known_free) {
@@ -157,16 +155,10 @@ WheelSample CameraSensors::wheels(double stamp, const Pose& true_pose) {
   return sample;
 }
 
-std::span<const Person> CameraSensors::people(double stamp, const Pose& true_pose) {
-  if (!walkers_) return {};
-  walkers_->advance(stamp, true_pose);
-  return walkers_->people();
-}
-
 void CameraSensors::image(double stamp, const Pose& true_pose, const Twist& twist) {
   const bool was_lost = images_ > 0 && localization() == Localization::kLost;
   const ImageMoment moment{images_++, stamp, exposure_.exposure(), twist.yaw_rate};
-  ImagePair images = rig_.stereo(true_pose, moment, people(stamp, true_pose));
+  ImagePair images = rig_.stereo(true_pose, moment, people_.of(walkers()));
   exposure_.measured(stamp, images.left);
   pair_ = {stamp, stamp, std::make_shared<const Image>(std::move(images.left)),
            std::make_shared<const Image>(std::move(images.right))};
@@ -184,14 +176,14 @@ Pose CameraSensors::estimate(double stamp, const Pose&) const { return perceptio
 
 void CameraSensors::scan(double stamp, const Pose& true_pose, SeenArea& seen) {
   const std::uint64_t number = scans_++;
-  const std::span<const Person> others = people(stamp, true_pose);
+  const std::span<const Person> others = people_.of(walkers());
   const auto measured = [&](const SensorFrame& frame) {
     deliver(frame);
     if (enters_ranges_) enter(stamp, frame);
   };
   for (std::size_t n = 0; n < looking_.size(); ++n) {
     const auto sensor = static_cast<int>(n);
-    DepthScan rays = seen.look(looking_[n], true_pose);
+    DepthScan rays = seen.look(looking_[n], true_pose, walkers());
     const auto more = more_.find(sensor);
     if (n > 0 && more == more_.end()) {
       measured(

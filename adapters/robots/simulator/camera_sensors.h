@@ -41,7 +41,7 @@ TexturedMesh seen_mesh(const World& world, const SimulatorOptions& options);
 /// lidars, whose rays meet the world's voxels.
 ///
 /// With realism the images are those of other cameras than the robot believes in, in another light
-/// (camera_effects.h), and people walk through them (people.h); coverage looks through them.
+/// (camera_effects.h), and people walk through them (people.h).
 ///
 /// Inputs arrive at once, so no depth image waits for a pose, but after leave_ranges(). A
 /// robot that is to use no wheels holds its pose while it is lost.
@@ -70,7 +70,6 @@ class CameraSensors final : public SimulatedSensors {
 
  private:
   WheelSample wheels(double stamp, const Pose& true_pose);
-  std::span<const Person> people(double stamp, const Pose& true_pose);  // brought up to `stamp`
 
   SimulatorOptions options_;
   CameraRig rig_;
@@ -79,7 +78,7 @@ class CameraSensors final : public SimulatedSensors {
   /// perspective holds also what they measure.
   std::vector<DepthCamera> looking_;
   ExposureControl exposure_;
-  std::optional<Walkers> walkers_;
+  People people_;
   bool has_wheels_;
   PerceptionPipeline perception_;
 

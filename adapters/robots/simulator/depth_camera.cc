@@ -41,7 +41,8 @@ DepthCamera::DepthCamera(const World& world, const DepthCameraOptions& options,
 }
 
 DepthScan DepthCamera::sense(const Pose& true_pose, std::vector<CellState>* seen,
-                             std::vector<std::uint32_t>* newly_seen) {
+                             std::vector<std::uint32_t>* newly_seen,
+                             std::span<const Walker> walkers) {
   const VoxelGrid& voxels = world_->voxels;
   const GridFrame& frame = voxels.frame();
   const double r = voxels.resolution();
@@ -88,7 +89,9 @@ DepthScan DepthCamera::sense(const Pose& true_pose, std::vector<CellState>* seen
     double range = 0.0;
     bool inside = true;
     path_.clear();
-    while (range <= max_range && inside && data[index] == CellState::kFree) {
+    const double met = distance_to_walkers(walkers, from, direction);
+    const double limit = std::min(max_range, met);
+    while (range <= limit && inside && data[index] == CellState::kFree) {
       path_.push_back(static_cast<std::uint32_t>(index));
       int axis = next[0] < next[1] ? 0 : 1;
       if (next[2] < next[axis]) axis = 2;
@@ -98,6 +101,8 @@ DepthScan DepthCamera::sense(const Pose& true_pose, std::vector<CellState>* seen
       index += stride[axis];
       inside = v[axis] >= low[axis] && v[axis] <= high[axis];
     }
+    const bool somebody = range > limit && met <= max_range;
+    if (somebody) range = met;
     const bool hit = range <= max_range;
     // All draws are taken for every ray: what one ray meets does not shift the noise of the next.
     const double drop = uniform(noise_);
@@ -120,7 +125,8 @@ DepthScan DepthCamera::sense(const Pose& true_pose, std::vector<CellState>* seen
       if (newly_seen != nullptr) newly_seen->push_back(at);
     };
     for (const std::uint32_t at : path_) note(at, CellState::kFree);
-    if (reported && inside) note(static_cast<std::uint32_t>(index), CellState::kOccupied);
+    if (reported && inside && !somebody)
+      note(static_cast<std::uint32_t>(index), CellState::kOccupied);
   }
   return scan;
 }

@@ -6,9 +6,11 @@
 #include <cmath>
 #include <cstdint>
 #include <random>
+#include <span>
 #include <vector>
 
 #include "adapters/formats/worlds/world.h"
+#include "adapters/robots/simulator/walkers.h"
 #include "models/camera.h"
 #include "models/types.h"
 #include "perception/mapping/occupancy_mapper.h"
@@ -64,9 +66,10 @@ class DepthCamera {
   /// One image from the true body pose; points in the body frame B [m], origin included.
   /// If `seen` is given (size of world.voxels.data()), voxels that a valid ray passed are set to
   /// kFree there, and voxels that one ended in to kOccupied; `newly_seen`, if given, receives the
-  /// indices of those whose entry changed.
+  /// indices of those whose entry changed. Rays that meet somebody end there, in no voxel.
   DepthScan sense(const Pose& true_pose, std::vector<CellState>* seen = nullptr,
-                  std::vector<std::uint32_t>* newly_seen = nullptr);
+                  std::vector<std::uint32_t>* newly_seen = nullptr,
+                  std::span<const Walker> walkers = {});
 
   const DepthCameraOptions& options() const { return options_; }
   const CameraMount& mount() const { return mount_; }

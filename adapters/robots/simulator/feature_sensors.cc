@@ -60,7 +60,7 @@ void FeatureSensors::scan(double stamp, const Pose& true_pose, SeenArea& seen) {
   for (std::size_t n = 0; n < depth_.size(); ++n) {
     ScanFrame frame;
     frame.stamp = stamp;
-    frame.in_B = std::make_shared<const DepthScan>(seen.look(depth_[n], true_pose));
+    frame.in_B = std::make_shared<const DepthScan>(seen.look(depth_[n], true_pose, walkers()));
     frame.pose = std::make_shared<const Pose>(odometry_.estimate(true_pose));
     frame.sensor = static_cast<int>(n);
     deliver(frame);

@@ -207,6 +207,29 @@ bool ContactTest::in_contact(const Pose& pose) const {
   return false;
 }
 
+bool ContactTest::touches(const Pose& pose, const Disc& disc) const {
+  const Eigen::Vector2d at =
+      Eigen::Rotation2Dd(-pose.yaw) * (disc.center - pose.position.head<2>());
+  const double reach = disc.radius - kTouch;
+  for (const Layer& layer : layers_) {
+    for (const Outline& outline : layer.outlines) {
+      const double apart = (at - outline.center).norm();
+      if (apart >= outline.radius + reach) continue;
+      if (outline.corners.empty()) return true;
+      bool inside = true;
+      for (std::size_t n = 0; n < outline.corners.size(); ++n) {
+        const Eigen::Vector2d& a = outline.corners[n];
+        const Eigen::Vector2d edge = outline.corners[(n + 1) % outline.corners.size()] - a;
+        const double along = std::clamp(edge.dot(at - a) / edge.squaredNorm(), 0.0, 1.0);
+        if ((a + along * edge - at).norm() < reach) return true;
+        inside = inside && edge.x() * (at - a).y() - edge.y() * (at - a).x() >= 0.0;
+      }
+      if (inside) return true;
+    }
+  }
+  return false;
+}
+
 Stance::Stance(const World& world, const RobotShape& shape, double step)
     : world_(&world), layers_{floor_layer(step, world.voxels.resolution()), 0} {
   constexpr int kAround = 16;  // points of a disc
@@ -289,6 +312,12 @@ bool KinematicRobot::move(const Twist& twist, double duration) {
   for (; done < steps; ++done) {
     const Pose next = advance(start, real, duration * (done + 1) / steps);
     if (contact_.in_contact(next)) break;
+    // Who stands in it already does not hold it.
+    if (std::any_of(discs_.begin(), discs_.end(), [&](const Disc& disc) {
+          return contact_.touches(next, disc) && !contact_.touches(pose_, disc);
+        })) {
+      break;
+    }
     pose_ = next;
     fallen_ = stance_.falls(next);
     if (fallen_) break;

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include "adapters/formats/worlds/world.h"
@@ -43,6 +44,8 @@ class ContactTest {
   ContactTest(const World& world, const RobotShape& shape, double base_height);
 
   bool in_contact(const Pose& pose) const;
+  /// Whether any outline of the body reaches into a disc on the ground, of any height.
+  bool touches(const Pose& pose, const Disc& disc) const;
   /// Radius [m] about B's z axis that holds the body.
   double radius() const { return radius_; }
 
@@ -99,6 +102,8 @@ class KinematicRobot {
 
   /// Moves for `duration` [s]; returns false if the motion was cut short by contact or a fall.
   bool move(const Twist& twist, double duration);
+  /// What it cannot drive into from now on, besides the world.
+  void stand_among(std::vector<Disc> discs) { discs_ = std::move(discs); }
 
   const Pose& pose() const { return pose_; }
   const ContactTest& contact_test() const { return contact_; }
@@ -113,6 +118,7 @@ class KinematicRobot {
   Stance stance_;
   ActuationNoise noise_;
   std::mt19937_64 generator_;
+  std::vector<Disc> discs_;
   Pose pose_;
   int collisions_ = 0;
   bool in_contact_ = false;

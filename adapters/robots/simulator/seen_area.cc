@@ -16,9 +16,10 @@ SeenArea::SeenArea(const World& world, const HeightSlice& slice)
   reachable_cells_.assign(columns, 0);
 }
 
-DepthScan SeenArea::look(DepthCamera& camera, const Pose& true_pose) {
+DepthScan SeenArea::look(DepthCamera& camera, const Pose& true_pose,
+                         std::span<const Walker> walkers) {
   newly_seen_.clear();
-  DepthScan scan = camera.sense(true_pose, &voxels_, &newly_seen_);
+  DepthScan scan = camera.sense(true_pose, &voxels_, &newly_seen_, walkers);
   const auto depth_layers = static_cast<std::uint32_t>(world_->voxels.depth());
   for (const std::uint32_t index : newly_seen_) {
     const int k = world_->voxels.k0() + static_cast<int>(index % depth_layers);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "adapters/formats/worlds/world.h"
@@ -21,8 +22,9 @@ class SeenArea {
  public:
   SeenArea(const World& world, const HeightSlice& slice);
 
-  /// One image of `camera` from a true pose, entered; points in B.
-  DepthScan look(DepthCamera& camera, const Pose& true_pose);
+  /// One image of `camera` from a true pose, entered; points in B. What is behind people is not
+  /// seen.
+  DepthScan look(DepthCamera& camera, const Pose& true_pose, std::span<const Walker> walkers = {});
 
   /// What a map knows counts as seen: the columns whose centre lies in one of its explored cells.
   void know(const GroundMap& map);

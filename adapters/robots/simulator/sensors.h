@@ -2,10 +2,12 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "adapters/robots/simulator/seen_area.h"
+#include "adapters/robots/simulator/walkers.h"
 #include "engine/maps/belief.h"
 #include "engine/maps/correction.h"
 #include "engine/maps/place_moves.h"
@@ -64,6 +66,9 @@ class SimulatedSensors {
   /// sensors are used on: stereo pairs, wheel motion, depth images, scans. Null: nobody.
   void deliver_to(FrameSink* sink) { sink_ = sink; }
 
+  /// Who is there, as they are when an image or a scan is taken; outlives this. Null: nobody.
+  void among(const Walkers* walkers) { walkers_ = walkers; }
+
   /// The newest left image; without an image where there is none.
   virtual CameraPicture picture() const { return {}; }
 
@@ -71,10 +76,14 @@ class SimulatedSensors {
   void deliver(const SensorFrame& frame) {
     if (sink_ != nullptr) sink_->observe(frame);
   }
+  std::span<const Walker> walkers() const {
+    return walkers_ != nullptr ? walkers_->walkers() : std::span<const Walker>();
+  }
   bool enters_ranges_ = true;  // at once
 
  private:
   FrameSink* sink_ = nullptr;
+  const Walkers* walkers_ = nullptr;
 };
 
 }  // namespace prospect

@@ -10,8 +10,11 @@
 namespace prospect {
 
 TrueState truth_of(const Simulator& s) {
-  return {s.true_pose(),   s.coverage(),   s.seen_area(), s.localization_error(),
-          s.path_length(), s.collisions(), s.losses(),    s.fallen()};
+  TrueState truth{s.true_pose(),   s.coverage(),   s.seen_area(), s.localization_error(),
+                  s.path_length(), s.collisions(), s.losses(),    s.fallen(),
+                  s.bumps()};
+  for (const Walker& walker : s.walkers()) truth.people.push_back(walker.at);
+  return truth;
 }
 
 SimulatedBase::SimulatedBase(Simulator& simulator, const Clock& clock, const MotionModel& model,

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -13,6 +15,7 @@
 #include "adapters/robots/simulator/known_free.h"
 #include "adapters/robots/simulator/noise_stream.h"
 #include "adapters/robots/simulator/seen_area.h"
+#include "adapters/robots/simulator/walkers.h"
 #include "engine/maps/correction.h"
 #include "models/body_transform.h"
 #include "models/knobs.h"
@@ -43,6 +46,12 @@ Pose start_of(const World& world, const SimulatorOptions& options) {
   return start;
 }
 
+/// People on 100 m^2 that cameras meet.
+double people_density(const SimulatorOptions& options) {
+  if (options.sensors != Sensors::kCamera) return 0.0;
+  return scaled(options.camera.effects, options.camera.realism).people;
+}
+
 }  // namespace
 
 struct Simulator::Impl {
@@ -51,6 +60,7 @@ struct Simulator::Impl {
   OccupancyMapperOptions mapping;
   KinematicRobot robot;
   SeenArea seen;
+  std::optional<Walkers> walkers;
   std::unique_ptr<SimulatedSensors> sensors;
 
   double time = 0.0;
@@ -77,6 +87,13 @@ struct Simulator::Impl {
     } else {
       sensors = std::make_unique<FeatureSensors>(*world, o, perception, robot.pose(), cleared);
     }
+    const double density = people_density(o);
+    if (o.walkers.count > 0 || density > 0.0) {
+      walkers.emplace(*world, o.walkers, density, robot.pose(),
+                      stream_seed(o.seed, NoiseStream::kPeople));
+      sensors->among(&*walkers);
+      walk();
+    }
     if (o.sensors == Sensors::kModel && (!o.corrections.empty() || perception.loops)) {
       corrections.expect();
     }
@@ -87,6 +104,17 @@ struct Simulator::Impl {
     if (!complaint.empty()) throw std::invalid_argument("sensors at the start: " + complaint);
   }
 
+  /// Until now.
+  void walk() {
+    if (!walkers) return;
+    const Pose pose = robot.pose();
+    walkers->advance(time, pose, [&](const Eigen::Vector2d& at) {
+      return robot.contact_test().touches(pose, {at, kWalkerRadius});
+    });
+    std::vector<Disc> discs;
+    for (const Walker& walker : walkers->walkers()) discs.push_back({walker.at, kWalkerRadius});
+    robot.stand_among(std::move(discs));
+  }
   void correct() {
     constexpr double kInstant = 1e-9;
     for (; corrected < options.corrections.size(); ++corrected) {
@@ -149,15 +177,18 @@ void Simulator::apply(const Twist& twist, double duration) {
   if (!twist.linear.allFinite() || !std::isfinite(twist.yaw_rate)) s.twist = Twist{};
   // Instants closer than this are one: sums of periods do not meet exactly.
   constexpr double kInstant = 1e-9;
+  constexpr double kStride = 0.05;  // [s] of people
   const double end = s.time + duration;
   while (s.time < end - kInstant) {
     const double next_image = static_cast<double>(s.images) / s.options.image_rate;
     const double next_scan = static_cast<double>(s.scans) / s.options.depth_rate;
-    const double next = std::max(s.time, std::min({end, next_image, next_scan}));
+    double next = std::max(s.time, std::min({end, next_image, next_scan}));
+    if (s.walkers) next = std::min(next, s.time + kStride);
     if (next > s.time) {
       if (!s.robot.move(s.twist, next - s.time)) s.twist = Twist{};
       if (s.sensors->localization() == Localization::kLost) s.lost_time += next - s.time;
       s.time = next;
+      s.walk();
     }
     if (s.time >= next_image - kInstant) s.image();
     if (s.time >= next_scan - kInstant) s.scan();
@@ -184,6 +215,12 @@ double Simulator::localization_error() const {
 int Simulator::collisions() const { return impl_->robot.collisions(); }
 bool Simulator::fallen() const { return impl_->robot.fallen(); }
 bool Simulator::in_contact() const { return impl_->robot.in_contact(); }
+std::vector<Walker> Simulator::walkers() const {
+  if (!impl_->walkers) return {};
+  const std::span<const Walker> now = impl_->walkers->walkers();
+  return {now.begin(), now.end()};
+}
+int Simulator::bumps() const { return impl_->walkers ? impl_->walkers->bumps() : 0; }
 double Simulator::path_length() const { return impl_->robot.path_length(); }
 double Simulator::rotation() const { return impl_->robot.rotation(); }
 int Simulator::losses() const { return impl_->sensors->losses(); }

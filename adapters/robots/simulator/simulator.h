@@ -4,10 +4,12 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "adapters/formats/worlds/world.h"
 #include "adapters/robots/simulator/sensors.h"
 #include "adapters/robots/simulator/simulator_options.h"
+#include "adapters/robots/simulator/walkers.h"
 #include "engine/maps/belief.h"
 #include "engine/maps/grid.h"
 #include "models/types.h"
@@ -58,16 +60,18 @@ class Simulator {
 
   // The truth, for evaluation.
   Pose true_pose() const;  ///< in the true world's frame, equal to the estimate's frame at t = 0
-  Pose estimated_pose() const;        ///< what sense() says now
-  double localization_error() const;  ///< [m], horizontal distance between the two
-  int collisions() const;             ///< separate contacts so far
-  bool fallen() const;                ///< over an edge; it does not move any more
-  bool in_contact() const;            ///< the last motion ended at a wall
-  double path_length() const;         ///< [m] really driven
-  double rotation() const;            ///< [rad] really turned, in absolute value
-  int losses() const;                 ///< how often localization was lost
-  std::string complaint() const;      ///< why the sensors cannot be trusted; empty: nothing known
-  double lost_time() const;           ///< [s] spent lost
+  Pose estimated_pose() const;          ///< what sense() says now
+  double localization_error() const;    ///< [m], horizontal distance between the two
+  int collisions() const;               ///< separate contacts so far that it drove into
+  std::vector<Walker> walkers() const;  ///< where people are now
+  int bumps() const;                    ///< how often they walked into it
+  bool fallen() const;                  ///< over an edge; it does not move any more
+  bool in_contact() const;              ///< the last motion ended at a wall
+  double path_length() const;           ///< [m] really driven
+  double rotation() const;              ///< [rad] really turned, in absolute value
+  int losses() const;                   ///< how often localization was lost
+  std::string complaint() const;        ///< why the sensors cannot be trusted; empty: nothing known
+  double lost_time() const;             ///< [s] spent lost
 
   /// The newest left image, where the robot has cameras; empty otherwise.
   CameraPicture picture() const;

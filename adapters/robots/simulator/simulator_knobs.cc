@@ -14,6 +14,7 @@
 #include "adapters/robots/simulator/odometry_model.h"
 #include "adapters/robots/simulator/simulated_base_options.h"
 #include "adapters/robots/simulator/simulator_options.h"
+#include "adapters/robots/simulator/walkers.h"
 #include "models/depth_sensors.h"
 #include "models/formatted.h"
 #include "models/knobs.h"
@@ -147,6 +148,12 @@ void describe(Knobs& knobs, CameraSensorsOptions& o) {
   knobs.group("effects", [&] { describe(knobs, o.effects); });
 }
 
+void describe(Knobs& knobs, WalkersOptions& o) {
+  knobs.integer("count", o.count, {0, 1000}, "1", "people who walk about");
+  knobs.number("keep", o.keep, {0.0, 10.0}, "m",
+               "to the robot's middle, within which they go no nearer to it");
+}
+
 PerceptionOptions simulated_perception(const WheelNoise& wheels) {
   PerceptionOptions perception;
   perception.wheel_fusion.noise = wheels;
@@ -166,6 +173,7 @@ void describe(Knobs& knobs, SimulatorOptions& o) {
   knobs.group("landmarks", [&] { describe(knobs, o.landmarks); });
   knobs.group("wheels", [&] { describe(knobs, o.wheels); });
   knobs.group("camera", [&] { describe(knobs, o.camera); });
+  knobs.group("walkers", [&] { describe(knobs, o.walkers); });
 }
 
 OccupancyMapperOptions mapping_options(const SimulatorOptions& options,

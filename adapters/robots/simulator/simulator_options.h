@@ -14,6 +14,7 @@
 #include "adapters/robots/simulator/kinematic_robot.h"
 #include "adapters/robots/simulator/landmark_builder.h"
 #include "adapters/robots/simulator/odometry_model.h"
+#include "adapters/robots/simulator/walkers.h"
 #include "engine/maps/correction.h"
 #include "models/camera.h"
 #include "models/robot_description.h"
@@ -98,6 +99,7 @@ struct SimulatorOptions {
   std::shared_ptr<const octomap::OcTree> map{};
 
   CameraSensorsOptions camera;
+  WalkersOptions walkers;                          ///< besides those of camera.effects
   std::vector<ScheduledCorrection> corrections{};  ///< by time
 };
 

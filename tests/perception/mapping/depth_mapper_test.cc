@@ -12,6 +12,8 @@
 #include <utility>
 #include <vector>
 
+#include "engine/maps/floor_state.h"
+#include "engine/maps/map_projection.h"
 #include "tests/not_under_sanitizers.h"
 #include "tests/perception/depth_faults.h"
 #include "tests/perception/depth_scene.h"
@@ -156,8 +158,8 @@ TEST(DepthMapper, UnevenFloorIsFlat) {
   EXPECT_GT(floor, 1000);
 }
 
-// What is measured below the floor is no floor.
-TEST(DepthMapper, HolesInTheFloorStayUnknown) {
+// What is measured below the floor is no floor, and shows that there is none.
+TEST(DepthMapper, WhereRaysGoOnBelowTheFloorItIsMissing) {
   NOT_UNDER_SANITIZERS("one way through the mapping, with other depths");
   DepthScene scene;
   scene.room.low.z() = -0.5;
@@ -169,9 +171,13 @@ TEST(DepthMapper, HolesInTheFloorStayUnknown) {
   DepthMapper mapper(kCamera, fine());
   for (int k = 0; k < 5; ++k) {
     const DepthFrame frame = walk(scene, k);
-    EXPECT_EQ(mapper.process(frame.stamp, frame.image, frame.T_WC).state, Mapping::kOk);
+    const MappedFrame mapped = mapper.process(frame.stamp, frame.image, frame.T_WC);
+    EXPECT_EQ(mapped.state, Mapping::kOk);
+    EXPECT_GT(mapped.below, 0);
   }
-  int inside = 0, around = 0;
+  int inside = 0, around = 0, missing = 0, wrong = 0;
+  const FloorLayers layers =
+      slice_layers(mapper.map().options().slice, mapper.map().options().resolution).floor;
   const auto voxels = mapper.map().voxels();
   const GridFrame f = voxels->frame();
   for (int n = 0; n < f.size(); ++n) {
@@ -182,7 +188,15 @@ TEST(DepthMapper, HolesInTheFloorStayUnknown) {
     const bool floor = voxels->state(c.i, c.j, -1) == CellState::kOccupied;
     inside += in_pit && floor;
     around += !in_pit && floor;
+    const bool near_pit = p.x() > pit[0] - 0.1 && p.x() < pit[1] + 0.1 && p.y() > pit[2] - 0.1 &&
+                          p.y() < pit[3] + 0.1;
+    const bool is_missing = floor_state(*voxels, c, layers) == FloorState::kMissing;
+    missing += in_pit && is_missing;
+    wrong += !near_pit && is_missing;
   }
+  std::printf("%d cells of the hole are known to be one\n", missing);
+  EXPECT_GT(missing, 20);
+  EXPECT_EQ(wrong, 0);
   EXPECT_EQ(inside, 0);
   EXPECT_GT(around, 1000);
 }

@@ -16,6 +16,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/maps/floor_state.h"
 #include "tests/not_under_sanitizers.h"
 
 namespace prospect::occupancy_mapper_test {
@@ -585,6 +586,41 @@ TEST(OccupancyMapper, ClearedBodyIsFreeButWallsStay) {
   EXPECT_EQ(ground->state({0, 0}), CellState::kFree);
   EXPECT_EQ(ground->state({-2, -1}), CellState::kFree);
   EXPECT_EQ(ground->state({4, 4}), CellState::kUnknown);
+}
+
+// What somebody states of the floor counts where nobody has seen it, as one look would.
+TEST(OccupancyMapper, AStatedFloorIsThereUntilRaysSayOtherwise) {
+  std::mt19937_64 generator(4);
+  const OccupancyMapperOptions options;
+  const FloorLayers layers = slice_layers(options.slice, kR).floor;
+  const auto floor = [&](OccupancyMapper& mapper, int i, int j) {
+    return floor_state(*mapper.voxels(), {i, j}, layers);
+  };
+  OccupancyMapper mapper(options);
+  const std::uint64_t surface = mapper.surface_voxels();
+  mapper.assume_floor({0.05, 0.05}, 0.5);
+  EXPECT_EQ(mapper.surface_voxels(), surface) << "nothing was seen";
+  EXPECT_EQ(floor(mapper, 0, 0), FloorState::kThere);
+  EXPECT_EQ(floor(mapper, 4, 0), FloorState::kThere);
+  EXPECT_EQ(floor(mapper, 6, 0), FloorState::kUnseen) << "farther than that";
+  EXPECT_EQ(mapper.ground()->state({0, 0}), CellState::kUnknown) << "what is above is not known";
+  // It was said wrongly: there is an edge.
+  mapper.assume_floor({2.35, 0.05}, 0.4);
+  ASSERT_EQ(floor(mapper, 23, 0), FloorState::kThere);
+  for (int n = 0; n < 4; ++n) mapper.insert(scan_of_edge(2.0, 3.0, generator));
+  EXPECT_EQ(floor(mapper, 23, 0), FloorState::kMissing);
+  EXPECT_EQ(mapper.ground()->state({23, 0}), CellState::kOccupied);
+  // What was seen before is not overruled.
+  mapper.assume_floor({2.35, 0.05}, 0.4);
+  EXPECT_EQ(floor(mapper, 23, 0), FloorState::kMissing);
+  // Nor is anything said of places that are none, or to a map without a floor.
+  const std::vector<CellState> before = mapper.voxels()->data();
+  mapper.assume_floor({std::nan(""), 0.0}, 0.5);
+  mapper.assume_floor({0.0, 0.0}, -1.0);
+  EXPECT_EQ(mapper.voxels()->data(), before);
+  OccupancyMapper flies(exact_options());
+  flies.assume_floor({0.0, 0.0}, 0.5);
+  EXPECT_EQ(flies.voxels()->state(0, 0, -1), CellState::kUnknown);
 }
 
 TEST(OccupancyMapper, GoesOnFromAMapThatWasMade) {

@@ -136,6 +136,7 @@ void add_simulator(Text& text, const Configuration& c) {
   add_world(text, c);
   text.add(c.perception.loops);
   text.add(static_cast<int>(o.sensors)), text.add(o.depth_rate), text.add(o.image_rate);
+  text.add(o.walkers.count), text.add(o.walkers.keep);
   text.add_all(o.actuation), text.add_all(o.depth);
   for (const ScheduledCorrection& k : o.corrections) {
     text.add(k.time), text.add(k.x), text.add(k.y), text.add(k.yaw);

@@ -486,8 +486,8 @@ TEST(KnobMembers, EveryNumberAndSwitchIsAKnob) {
     SimulatorOptions o;
     [[maybe_unused]] auto& [seed, sensors, shape, base_height, actuation, depth_mount, depth,
                             depth_rate, more_depth, stereo_mount, features, image_rate, odometry,
-                            landmarks, wheels, map, camera, corrections] = o;
-    EXPECT_KNOBS(o, depth_rate, image_rate);
+                            landmarks, wheels, map, camera, walkers, corrections] = o;
+    EXPECT_KNOBS(o, depth_rate, image_rate, walkers.count, walkers.keep);
   }
 }
 

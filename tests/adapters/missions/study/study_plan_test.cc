@@ -68,6 +68,21 @@ TEST(StudyPlan, IsCountedBeforeItIsMade) {
               HasSubstr("s.yaml:2: seeds: 1 setups, 1.8e+06 cells"));
 }
 
+TEST(StudyPlan, ARangeOfSeedsIsAWorldEach) {
+  const auto names = [](const std::string& worlds) {
+    std::vector<std::string> all;
+    const Study study = study_from_text("worlds: [" + worlds + "]\n", "s.yaml");
+    for (const StudyInput& input : study.inputs) all.push_back(input.name);
+    return all;
+  };
+  EXPECT_THAT(names("\"plan:3..4\", office"), ElementsAre("plan:3", "plan:4", "office"));
+  EXPECT_THAT(names("\"drops:0..2\""), ElementsAre("drops:0", "drops:1", "drops:2"));
+  EXPECT_THAT(names("\"drops:8..9:2x3\""), ElementsAre("drops:8:2x3", "drops:9:2x3"));
+  EXPECT_THROW(names("\"drops:9..8\""), InputError);
+  EXPECT_THROW(names("\"drops:1..\""), InputError);
+  EXPECT_THROW(names("\"drops:1..3\", \"drops:2\""), InputError) << "the same world twice";
+}
+
 TEST(StudyPlan, ACellIsNamedByWhatItsMissionDependsOn) {
   const std::string text = "worlds: office\nconditions: {a: {planner.N: 12}}\n";
   const std::string id = ids(plan_of(text)).at(0);

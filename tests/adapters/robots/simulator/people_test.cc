@@ -16,7 +16,7 @@
 namespace prospect::people_test {
 namespace {
 
-class People : public testing::Test {
+class PeopleTest : public testing::Test {
  protected:
   void SetUp() override {
     try {
@@ -27,46 +27,7 @@ class People : public testing::Test {
   }
 };
 
-TEST_F(People, WalkOnTheFloorAndKeepFromTheRobot) {
-  World world = test::box_room(10.0, 8.0, 2.4);
-  test::fill(world, {4.0, 0.0, 0.0}, {4.4, 5.0, 2.4});
-  world.start.position = {1.0, 1.0, 0.0};
-  constexpr double kDensity = 6.0;
-  Walkers walkers(world, kDensity, world.start, 3), again(world, kDensity, world.start, 3);
-  Walkers others(world, kDensity, world.start, 4);
-  ASSERT_GE(walkers.people().size(), 3U);
-  double walked = 0.0;
-  for (const Person& person : walkers.people()) {
-    EXPECT_GE((person.T_WP.translation() - world.start.position).norm(), 2.0);
-  }
-  // The robot crosses the room while they walk.
-  Pose robot = world.start;
-  for (int n = 1; n <= 600; ++n) {
-    const std::vector<Person> before = walkers.people();
-    robot.position.y() = 1.0 + 3.0 * (1.0 - std::cos(0.01 * n));
-    walkers.advance(0.1 * n, robot);
-    again.advance(0.1 * n, robot);
-    others.advance(0.1 * n, robot);
-    for (std::size_t k = 0; k < before.size(); ++k) {
-      const Eigen::Vector3d at = walkers.people()[k].T_WP.translation();
-      const double step = (at - before[k].T_WP.translation()).norm();
-      EXPECT_LE(step, 0.121);
-      walked += step;
-      EXPECT_TRUE(walkers.walkable(at.head<2>())) << at.transpose();
-      const double distance = (at - robot.position).norm();
-      if (distance < 0.9) {
-        EXPECT_GE(distance, (before[k].T_WP.translation() - robot.position).norm() - 1e-9)
-            << "so near, nobody comes nearer";
-      }
-    }
-  }
-  EXPECT_GT(walked, 20.0 * static_cast<double>(walkers.people().size()));
-  EXPECT_EQ(walkers.people()[0].T_WP.matrix(), again.people()[0].T_WP.matrix());
-  EXPECT_NE(walkers.people()[0].T_WP.matrix(), others.people()[0].T_WP.matrix());
-  EXPECT_TRUE(Walkers(world, 0.0, world.start, 3).people().empty());
-}
-
-TEST_F(People, AreSeenWhereNothingHidesThem) {
+TEST_F(PeopleTest, AreSeenWhereNothingHidesThem) {
   World world = test::box_room(8.0, 6.0, 2.4);
   test::fill(world, {4.0, 3.0, 0.0}, {4.2, 6.0, 2.4});  // a wall across the left half
   world.start.position = {1.0, 3.0, 0.0};
