@@ -100,6 +100,9 @@ class KinematicRobot {
   /// Moves for `duration` [s]; returns false if the motion was cut short by contact or a fall.
   bool move(const Twist& twist, double duration);
 
+  /// Somebody carries it; not into a wall.
+  void carry_to(const Pose& pose) { pose_ = pose; }
+
   const Pose& pose() const { return pose_; }
   const ContactTest& contact_test() const { return contact_; }
   int collisions() const { return collisions_; }
