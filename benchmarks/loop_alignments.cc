@@ -184,7 +184,6 @@ int main_program(int argc, char** argv) {
   };
   const double period = 1.0 / options.image_rate;
   const int images_a_scan = std::max(1, static_cast<int>(options.image_rate / options.depth_rate));
-  int corrections = 0;
   sensors.scan(0.0, start, seen);
   note(start);
   sensors.image(0.0, start, {});
@@ -196,7 +195,6 @@ int main_program(int argc, char** argv) {
     if (n % images_a_scan != 0) continue;
     sensors.scan(t, pose, seen);
     note(pose);
-    corrections += static_cast<int>(sensors.followed().size());
     const Pose estimate = sensors.estimate(t, pose);
     drawn.add((estimate.position - pose.position).head<2>().norm());
     corrected.add((sensors.origin()(estimate).position - pose.position).head<2>().norm());
@@ -238,7 +236,8 @@ int main_program(int argc, char** argv) {
     for (int k = 0; k < 3; ++k) table << ',' << std::sqrt(loop.expected.covariance(k, k));
     table << ',' << loop.overlap << ',' << loop.agreement << '\n';
   }
-  std::printf("{\"anchors\": %zu, \"corrections\": %d, ", anchors.size(), corrections);
+  std::printf("{\"anchors\": %zu, \"corrections\": %d, ", anchors.size(),
+              sensors.belief(path.back().time, path.back().pose, {})->map_frame->taken);
   steps.print("steps");
   std::printf(", ");
   guesses.print("guesses");

@@ -153,6 +153,14 @@ std::string Corrections::refuse(const Correction& c, const Pose& robot) {
   return wrong;
 }
 
+void Corrections::cannot(const std::string& why) {
+  if (frame_ && frame_->refusal == why) return;
+  MapFrame next = frame_ ? *frame_ : MapFrame();
+  ++next.cannot_follow;
+  next.refusal = why;
+  frame_ = std::make_shared<const MapFrame>(std::move(next));
+}
+
 void Corrections::followed(const Correction& c, const Pose& robot,
                            std::shared_ptr<const PlaceMoves> how) {
   MapFrame next = frame_ ? *frame_ : MapFrame();

@@ -142,6 +142,8 @@ class Corrections {
   /// It was followed, and what was measured has moved in W.
   void followed(const Correction& correction, const Pose& robot,
                 std::shared_ptr<const PlaceMoves> how);
+  /// A correction is wanted that nobody can make; counted once, as long as it is the same.
+  void cannot(const std::string& why);
   /// From now on frame() is never null: somebody may correct.
   void expect();
   /// Null: nobody has corrected, and nobody is expected to.

@@ -50,6 +50,24 @@ void AnchoredMap::begin(const Pose& origin, const Eigen::Matrix3d& covariance,
   note(origin);
 }
 
+void AnchoredMap::begin_apart(const Pose& origin, const Eigen::Matrix3d& covariance) {
+  aside_.reset();
+  for (std::size_t n = static_cast<std::size_t>(first_); first_ > 0 && n < anchors_.size(); ++n) {
+    anchors_[n].evidence = {};
+    anchors_[n].way.clear();
+  }
+  begin(origin, covariance);
+  first_ = open().id;
+  *map_ = OccupancyMapper(map_->options());
+  record();
+}
+
+void AnchoredMap::found(int anchor, int parent, const MapAnchor::Found& found) {
+  MapAnchor& a = anchors_[static_cast<std::size_t>(anchor)];
+  a.parent = parent;
+  a.found = found;
+}
+
 bool AnchoredMap::is_worth(const std::vector<PlanarMove>& to_W) const {
   for (std::size_t n = 0; n < to_W.size() && n + 1 < anchors_.size(); ++n) {
     const MapAnchor& a = anchors_[n];
@@ -96,12 +114,15 @@ std::optional<AnchoredMap::Moved> AnchoredMap::go_on(int bricks,
     const MapAnchor& at = anchors_[sure.empty() ? n : sure.size() - 1];
     const Eigen::Vector2d from = at.origin.position.head<2>();
     for (const Eigen::Vector2d& p : a.way) {
+      // Nobody knows places of a map that it was apart from.
+      if (static_cast<int>(n) < first_) continue;
       known.push_back({a.to_W(p), moved.anchors.back(), -1.0});
       if (n >= sure.size()) continue;
       known.back().variance = place_variance(sure[n], now(p) - from);
     }
     a.to_W = now;
   }
+  first_ = 0;
   *map_ = std::move(*aside_);
   aside_.reset();
   record();

@@ -25,6 +25,14 @@ struct MapAnchor {
   PlanarMove jump{};
   /// Of the error of (x, y, yaw) there, from the start, as told.
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  /// How it was found from the parent, if not by odometry: its place as seen from there, and the
+  /// covariance of the error of (x, y, yaw), in its own frame.
+  struct Found {
+    PlanarMove way;
+    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  };
+  std::optional<Found> found{};
+  bool given = false;  ///< a map that was made before, of any size; nothing was drawn from here
   std::vector<Eigen::Vector2d> way{};  ///< places of the robot, kWayStep apart, in W as it was then
   MapEvidence evidence{};              ///< in the lattice of W as it was then
   PlanarMove to_W{};                   ///< from there to W as it is
@@ -42,6 +50,10 @@ struct MapAnchor {
 /// it, it takes the first one's place, whole: nobody ever sees half a correction, and what was free
 /// before is not trusted any more from the same instant on. Of evidence that has moved by parts of
 /// a voxel see MapEvidence::moved().
+///
+/// Apart. A robot that does not know where it is among its anchors draws a map apart: it begins
+/// empty, and holds what was drawn since. When the place is found, the next correction that is
+/// followed has all anchors in it again.
 ///
 /// Merging. Anchors that see the same place can be made one: memory and the time to follow a
 /// correction grow with the area that was seen, not with the time.
@@ -73,11 +85,22 @@ class AnchoredMap {
   void begin(const Pose& origin, const Eigen::Matrix3d& covariance,
              std::optional<int> parent = std::nullopt, const PlanarMove& jump = {});
 
+  /// Likewise, and the map begins anew, apart. A correction that is being followed is given up, and
+  /// so is what was drawn apart before.
+  void begin_apart(const Pose& origin, const Eigen::Matrix3d& covariance);
+  /// The first anchor that the map holds.
+  int first() const { return first_; }
+  /// What is entered so far was told: a map that was made before (MapAnchor::given). Only the first
+  /// anchor may be one; the next one is to be begun then.
+  void give() { anchors_.back().given = true; }
+  /// Where an anchor was found (MapAnchor::found).
+  void found(int anchor, int parent, const MapAnchor::Found& found);
+
   /// Whether anchors at such places, to_W of each but the open one, are far enough from where they
   /// are to be followed.
   bool is_worth(const std::vector<PlanarMove>& to_W) const;
   /// Begins to follow; false while one is under way. Those that are opened later stay where they
-  /// are.
+  /// are. The map that is drawn apart is joined to that of all anchors.
   bool follow(std::vector<PlanarMove> to_W);
   bool follows() const { return aside_ != nullptr; }
   /// How what was measured has moved in W.
@@ -106,6 +129,7 @@ class AnchoredMap {
   std::unique_ptr<OccupancyMapper> aside_;  // null: no correction is followed
   std::vector<PlanarMove> goes_to_;         // to_W of each then
   std::size_t next_ = 0;                    // anchor to be entered
+  int first_ = 0;                           // that the map holds
 };
 
 }  // namespace prospect

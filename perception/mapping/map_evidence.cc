@@ -128,6 +128,18 @@ MapEvidence MapEvidence::moved(const PlanarMove& move, double r, const EvidenceT
   return to;
 }
 
+MapEvidence MapEvidence::around(const Eigen::Vector2d& place, double reach, double r) const {
+  MapEvidence part;
+  const Eigen::Vector2d low = (place.array() - reach) / (kEdge * r),
+                        high = (place.array() + reach) / (kEdge * r);
+  for (const auto& [at, brick] : bricks_) {
+    if (at[0] + 1 < low.x() || at[1] + 1 < low.y() || at[0] > high.x() || at[1] > high.y())
+      continue;
+    part.bricks_.emplace_hint(part.bricks_.end(), at, brick);
+  }
+  return part;
+}
+
 void MapEvidence::append(const MapEvidence& later, EvidenceTable& table) {
   for (const auto& [at, more] : later.bricks_) {
     Brick& brick = bricks_[at];

@@ -50,6 +50,8 @@ class MapEvidence {
   /// one says that holds its middle; a surface is in the voxel where its points are. So walls keep
   /// their thickness. Not moved: the same, to the bit. r: edge of a voxel of both [m].
   MapEvidence moved(const PlanarMove& move, double r, const EvidenceTable& table) const;
+  /// The bricks that reach into the square within `reach` of a place in the plane [m].
+  MapEvidence around(const Eigen::Vector2d& place, double reach, double r) const;
   /// First this, then `later`, on the same lattice.
   void append(const MapEvidence& later, EvidenceTable& table);
   /// Where surfaces are [m, on the lattice].

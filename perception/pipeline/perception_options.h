@@ -41,9 +41,14 @@ struct PerceptionOptions {
   bool wheels = true;
   WheelFusionOptions wheel_fusion;  ///< its `start` is not used
   FeatureDensityOptions feature_density;
-  /// Places that are seen again keep the map straight (straight_map.h). Of a body in the plane
-  /// whose pose is measured here: not from outside, where somebody else corrects it.
-  bool loops = false;
+  /// Places that are seen again keep the map straight (straight_map.h), where this is built with
+  /// Ceres: of a body in the plane whose pose is measured here. Of others it says nothing: poses
+  /// from outside are for somebody else to correct.
+  bool loops = true;
+  /// Poses from outside are those of an odometry: in W, where they go on without a jump, each with
+  /// its covariance from the start. Nobody else corrects them, so loops may; also of a body that is
+  /// free in space, whose height and tilt are right.
+  bool poses_drift = false;
   /// Of B in W, where the first pair is taken; z, the height of B's origin above the floor, is
   /// kept.
   Pose start;

@@ -135,12 +135,11 @@ PerceptionPipeline::PerceptionPipeline(std::unique_ptr<Odometry> odometry,
       history_(options.max_age),
       pose_at_fix_(options.start) {
   check(options);
-  check_parameter(!options.loops || ((odometry_ || options.wheels) && !options.start_in_space),
-                  "perception", "loops", options.loops,
-                  "off where poses come from outside, or the body is free in space");
   if (camera) validate(*camera);
-  if (options.loops) {
-    straight_ = std::make_unique<StraightMap>(map_, options.start);
+  const bool measured_here = (odometry_ || options.wheels) && !options.start_in_space;
+  if (options.loops && (measured_here || options.poses_drift) && StraightMap::is_built_in()) {
+    straight_ = std::make_unique<StraightMap>(
+        map_, options.start_in_space ? body_pose(*options.start_in_space) : options.start);
     corrections_.expect();
   }
   ScanMapper(scans_of(options), map_);  // says what is wrong with them now
@@ -236,7 +235,7 @@ InputResult PerceptionPipeline::external_pose(const ExternalPose& pose) {
     builder_.restart();
   }
   external_ = pose;
-  if (const MapFrame* map = corrections_.frame().get()) {
+  if (const MapFrame* map = corrections_.frame().get(); map && !options_.poses_drift) {
     const Eigen::Isometry3d T_WM = body_transform(map->map_in_W());
     external_->T_WB = T_WM * pose.T_WB;
     Eigen::Matrix4d R = Eigen::Matrix4d::Identity();
@@ -272,12 +271,8 @@ std::string PerceptionPipeline::take_correction(const ExternalPose& pose) {
 
 InputResult PerceptionPipeline::correct(const Correction& correction) {
   const Pose now = pose(known_until().value_or(frame_.stamp));
-  if (correction.kind == CorrectionKind::kRobot && straight_) {
-    const std::string why = corrections_.refuse(correction, now);
-    if (!why.empty()) return {InputState::kRefused, why};
-    if (straight_->move_robot(robot(now), correction)) return {};
-  }
-  const Corrections::Answer answer = corrections_.take(correction, now);
+  const Corrections::Answer answer =
+      prospect::correct(correction, robot(now), corrections_, straight_.get());
   if (answer.verdict == CorrectionVerdict::kTaken) return {};
   return {InputState::kRefused, answer.why};
 }
@@ -392,6 +387,10 @@ InputResult PerceptionPipeline::enter(const Waiting& input) {
 
 StraightMap::Robot PerceptionPipeline::robot(const Pose& pose) const {
   const Eigen::Vector3i planar(0, 1, 3);
+  if (options_.poses_drift) {
+    return {pose, external_ ? Eigen::Matrix3d(external_->covariance(planar, planar))
+                            : Eigen::Matrix3d::Zero()};
+  }
   return {pose, options_.wheels
                     ? fusion_.at(known_until().value_or(frame_.stamp)).covariance
                     : Eigen::Matrix3d(body_covariance(frame_.T_WC, options_.stereo_mount.T_BC,
@@ -403,11 +402,25 @@ void PerceptionPipeline::keep_straight(double stamp, const Pose& pose) {
   // What was drawn before a loss and what is drawn after it may lie apart.
   const StraightMap::Robot here = robot(pose);
   if (std::exchange(lost_since_entry_, false)) straight_->begin_anchor(here);
-  const auto done = straight_->go_on(stamp, here);
-  if (!done) return;
-  const FollowedCorrection& followed = done->correction;
-  memory_.follow(*followed.moves);
-  corrections_.followed(followed.correction, pose, followed.moves);
+  if (const auto done = go_on(*straight_, stamp, here, corrections_)) {
+    memory_.follow(*done->correction.moves);
+  }
+}
+
+bool PerceptionPipeline::give_map(bool place_known) {
+  if (!straight_) return place_known;
+  straight_->give(robot(pose(known_until().value_or(frame_.stamp))), place_known);
+  return true;
+}
+
+bool PerceptionPipeline::lift() {
+  if (!straight_) return false;
+  straight_->lift(robot(pose(known_until().value_or(frame_.stamp))));
+  return true;
+}
+
+void PerceptionPipeline::finish() {
+  if (straight_) straight_->finish(known_until().value_or(0.0));
 }
 
 std::optional<double> PerceptionPipeline::known_until() const {

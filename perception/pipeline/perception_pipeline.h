@@ -186,6 +186,16 @@ class PerceptionPipeline {
   /// Null: the map is as it was drawn.
   const StraightMap* straight_map() const { return straight_.get(); }
 
+  /// What map() holds so far is a map that was made before. Is it known where in it the robot is?
+  /// Else it looks for its place, and maps apart until it has found it (StraightMap::give()); false
+  /// where it cannot.
+  bool give_map(bool place_known);
+  /// The robot was carried, and does not know where it is any more: likewise.
+  bool lift();
+
+  /// Nothing comes any more: see StraightMap::finish().
+  void finish();
+
   /// To begin with a map that was made before, or with the robot's place known to be free.
   OccupancyMapper& map() { return *map_; }
 

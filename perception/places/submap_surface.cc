@@ -50,6 +50,10 @@ SubmapSurface::SubmapSurface(const MapEvidence& evidence, double r, const Eviden
   for (std::size_t n = 0; n < points.size(); ++n) {
     cubes[cube_of(points[n])].push_back(static_cast<int>(n));
   }
+  const auto layer = [r](const Eigen::Vector3d& p) { return std::floor(p.z() / r); };
+  const bool one_layer = std::all_of(points.begin(), points.end(), [&](const Eigen::Vector3d& p) {
+    return layer(p) == layer(points.front());
+  });
   constexpr int kLeast = 6;
   constexpr double kUpright = 0.5, kFlat = 0.25;
   for (const auto& [cube, own] : cubes) {
@@ -78,7 +82,9 @@ SubmapSurface::SubmapSurface(const MapEvidence& evidence, double r, const Eviden
       if (count < kLeast) continue;
       mean /= count;
       Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen;
-      eigen.computeDirect(square / count - mean * mean.transpose());
+      Eigen::Matrix3d spread = square / count - mean * mean.transpose();
+      if (one_layer) spread(2, 2) += kAround * kAround;  // whatever is above and below
+      eigen.computeDirect(spread);
       const Eigen::Vector3d normal = eigen.eigenvectors().col(0);
       if (std::abs(normal.z()) > kUpright) continue;
       if (eigen.eigenvalues()[0] > kFlat * eigen.eigenvalues()[1]) continue;

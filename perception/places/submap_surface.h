@@ -16,9 +16,10 @@ namespace prospect {
 /// A place is where a voxel was hit (MapEvidence::Hit). Its direction is that in which the hits
 /// within kAround of it vary least, if that is upright to within 30 degrees, and they vary along
 /// some other at least four times as much, in variance: floors, edges and single points have none,
-/// and are left out. Of its two sides a wall faces the one that is known to be free nearer to it
-/// (within 0.3 m): so the two sides of a partition are two walls. Where both are as near, it faces
-/// either.
+/// and are left out. Where all was hit in one layer of voxels, as by a lidar that scans one plane,
+/// walls are taken to be upright: the direction is that in the plane. Of its two sides a wall faces
+/// the one that is known to be free nearer to it (within 0.3 m): so the two sides of a partition
+/// are two walls. Where both are as near, it faces either.
 ///
 /// Thread-safety: concurrent reads are safe. Deterministic.
 class SubmapSurface {

@@ -32,6 +32,16 @@ cmp -s "$page" "$folder/dead.html" && fail "the cut's listener was not found in 
 seen="$(selftest "$folder/dead.html")"
 grep -qx "selftest failed" <<<"$seen" || fail "a page whose cut does nothing passes" "$seen"
 
+# With loops there are two maps; #drawn leads to that of the poses alone.
+"$prospect" map "$folder/depth/posed" --loops --out "$folder/loops" --resolution 0.1 --quiet >/dev/null
+seen="$(selftest "$folder/loops/map.html")"
+grep -qx "selftest passed" <<<"$seen" || fail "the self-test with loops does not pass" "$seen"
+grep -qx "shown with loops" <<<"$seen" || fail "the page does not open with loops" "$seen"
+sed 's/drawn = straight.drawn !== undefined \&\& .*, run =/drawn = true, run =/' "$folder/loops/map.html" >"$folder/drawn.html"
+seen="$(selftest "$folder/drawn.html")"
+grep -qx "selftest passed" <<<"$seen" || fail "the self-test of the map as drawn does not pass" "$seen"
+grep -qx "shown as drawn" <<<"$seen" || fail "the page does not show the map as drawn" "$seen"
+
 # On a phone, without WebGL.
 switches=(--disable-3d-apis)
 seen="$(selftest "$page" 500,900)"

@@ -230,9 +230,12 @@ std::vector<std::string> read_planner(YamlMap map, const Registries& registries,
   return read_terms(map, registries.terms, c.planner);
 }
 
-void read_corrections(YamlMap map, std::vector<ScheduledCorrection>& corrections) {
+void read_events(YamlMap map, SimulatorOptions& simulator) {
   constexpr double kMost = 1e9;  // what cannot be is refused as it would be by a robot
-  const auto read = [&](const char* key, const char* what, CorrectionKind kind) {
+  std::vector<ScheduledCorrection>& corrections = simulator.corrections;
+  std::vector<ScheduledCorrection> carried;
+  const auto read = [&](const char* key, const char* what, CorrectionKind kind,
+                        std::vector<ScheduledCorrection>& events) {
     const std::vector<double> told = map.numbers(key, {}, -1, -kMost, kMost, "s, m, m, deg", what);
     if (told.size() % 4 != 0) {
       map.problem(key,
@@ -240,15 +243,22 @@ void read_corrections(YamlMap map, std::vector<ScheduledCorrection>& corrections
       return;
     }
     for (std::size_t i = 0; i < told.size(); i += 4) {
-      corrections.push_back(
-          {told[i], told[i + 1], told[i + 2], kRadiansPerDegree * told[i + 3], kind});
+      events.push_back({told[i], told[i + 1], told[i + 2], kRadiansPerDegree * told[i + 3], kind});
     }
   };
-  read("corrections", "of the map's frame: time, x, y, yaw of each in turn", CorrectionKind::kMap);
+  read("corrections", "of the map's frame: time, x, y, yaw of each in turn", CorrectionKind::kMap,
+       corrections);
   read("robot_corrections", "likewise of the robot's place in what it has drawn",
-       CorrectionKind::kRobot);
-  std::stable_sort(corrections.begin(), corrections.end(),
-                   [](const auto& a, const auto& b) { return a.time < b.time; });
+       CorrectionKind::kRobot, corrections);
+  read("carried", "likewise where the robot is carried, to a place of the world",
+       CorrectionKind::kRobot, carried);
+  for (std::vector<ScheduledCorrection>* events : {&corrections, &carried}) {
+    std::stable_sort(events->begin(), events->end(),
+                     [](const auto& a, const auto& b) { return a.time < b.time; });
+  }
+  for (const ScheduledCorrection& c : carried) {
+    simulator.carried.push_back({c.time, {{c.x, c.y, 0.0}, c.yaw}});
+  }
 }
 
 void read_simulator(YamlMap map, Configuration& c) {
@@ -257,7 +267,7 @@ void read_simulator(YamlMap map, Configuration& c) {
   const std::string known =
       map.text("map", "none", "OctoMap (.bt .ot) of the same world to begin with; none: nothing");
   if (known != "none") c.map = known;
-  read_corrections(std::move(map), c.simulator.corrections);
+  read_events(std::move(map), c.simulator);
 }
 
 void read_perception(YamlMap map, ConfigurationUse use, Configuration& c) {

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 (() => {
 // ---- Data ---------------------------------------------------------------------------------------
-const run = JSON.parse($("run").textContent);
+const straight = JSON.parse($("run").textContent);
+// With loops the page is of the straight map; at #drawn of what the poses alone draw.
+const drawn = straight.drawn !== undefined && /\bdrawn\b/.test(location.hash), run = drawn ? straight.drawn : straight;
 const n = run.frames, s = run.summary, scans = s.ground_found === null, mapped = run.voxels !== null;
 const column = {};
 for (const [name, text] of Object.entries(run.columns)) column[name] = floats(text);
@@ -21,6 +23,12 @@ function varints(base64) {
 }
 
 // ---- Head ---------------------------------------------------------------------------------------
+if (straight.drawn) {
+  const choice = (hash, label, now) => make("a", now ? { "aria-current": "true" } : { href: hash }, label);
+  $("choice").append(choice("#straight", "kept straight by loops", !drawn), choice("#drawn", "as the poses have it", drawn));
+  $("choice").hidden = false;
+  addEventListener("hashchange", () => location.reload());
+}
 $("facts").textContent = [s.layout, plural(s.frames, scans ? "scan" : "frame"), `${s.ok} ok, ${s.degraded} degraded, ${s.rejected} rejected`,
   s.without_pose ? `${s.without_pose} without a pose` : null, mapped ? `voxels of ${compact(s.resolution_m)} m` : s.poses ? "no ground, so no map" : "no poses, so no map"].filter(Boolean).join(" · ");
 const figure = (label, value, unit, bad) => $("figures").append(make("div", bad ? { class: "bad" } : {},
@@ -29,6 +37,10 @@ const r2 = s.resolution_m * s.resolution_m;
 if (mapped) {
   figure("free", compact(s.free_cells * r2), "m²");
   figure("occupied", compact(s.occupied_cells * r2), "m²");
+}
+if (s.loops) {
+  figure("loops used", `${s.loops.used} of ${s.loops.found}`, "");
+  figure("a pose moved, at most", fixed(s.loops.moved_m, 2), "m");
 }
 if (isNumber(s.height_median_m)) figure("camera above the ground", fixed(s.height_median_m, 2), "m");
 if (!scans) figure("of the frames show the ground", fixed(100 * s.ground_found / Math.max(1, s.frames), 0), "%", s.ground_found * 2 < s.frames);
@@ -418,7 +430,7 @@ new ResizeObserver(() => { if ($("stage").clientWidth !== width) { width = $("st
 
 // ---- Self-test: map.html#selftest ---------------------------------------------------------------
 // Moves the sliders as a hand would and looks at what was drawn. Writes one line a fact into the page.
-if (location.hash === "#selftest") setTimeout(() => {
+if (/\bselftest\b/.test(location.hash)) setTimeout(() => {
   const lines = [], failures = [];
   const expect = (what, ok) => { if (!ok) failures.push(what); };
   const set = (id, value) => { $(id).value = value; $(id).dispatchEvent(new Event("input", { bubbles: true })); };
@@ -443,6 +455,10 @@ if (location.hash === "#selftest") setTimeout(() => {
         const x = plot.cursor.getBoundingClientRect().left - plot.cursor.parentElement.getBoundingClientRect().left;
         expect(`the cursor of plot ${i} is at frame ${k}`, Math.abs(x - plot.graph.toDomXCoord(column.time[k])) < 1);
       });
+    }
+    if (straight.drawn) {
+      lines.push(`shown ${drawn ? "as drawn" : "with loops"}`);
+      expect("either can be chosen", $("choice").querySelectorAll("a").length === 2 && $("choice").querySelectorAll("[aria-current]").length === 1);
     }
     lines.push(`plots ${plots.length}`, `left out ${leftOut.childElementCount}`);
     if (cells) {

@@ -153,22 +153,23 @@ PageJson hypotheses_of(const MapRun& run) {
   return all;
 }
 
-}  // namespace
-
-std::string map_page(const MapRun& run, const PageJson& summary) {
+PageJson data_of(const MapRun& run, const PageJson& summary) {
   PageJson reasons = PageJson::object();
   for (std::size_t k = 0; k < run.frames.size(); ++k) {
     const std::string& reason = run.frames[k].mapped.reason;
     if (!reason.empty()) reasons[std::to_string(k)] = reason;
   }
   const bool mapped = run.maps.ground != nullptr;
-  const PageJson data = {{"frames", run.frames.size()},
-                         {"columns", columns_of(run)},
-                         {"reasons", reasons},
-                         {"hypotheses", hypotheses_of(run)},
-                         {"voxels", mapped ? voxels_of(run.maps) : PageJson()},
-                         {"ground", mapped ? ground_of(run) : PageJson()},
-                         {"summary", summary}};
+  return {{"frames", run.frames.size()},
+          {"columns", columns_of(run)},
+          {"reasons", reasons},
+          {"hypotheses", hypotheses_of(run)},
+          {"voxels", mapped ? voxels_of(run.maps) : PageJson()},
+          {"ground", mapped ? ground_of(run) : PageJson()},
+          {"summary", summary}};
+}
+
+std::string page_of(const PageJson& data, const PageJson& summary, bool mapped) {
   // The recording's own folder, of a path that may end in a slash.
   std::filesystem::path path = summary.value("dataset", std::string());
   if (!path.has_filename()) path = path.parent_path();
@@ -182,6 +183,19 @@ std::string map_page(const MapRun& run, const PageJson& summary) {
        {"{{three}}", mapped ? script_text(map_assets::three_script()) : std::string()},
        {"{{controls}}", mapped ? script_text(map_assets::orbit_script()) : std::string()},
        {"{{script}}", page_script(map_assets::map_js())}});
+}
+
+}  // namespace
+
+std::string map_page(const MapRun& run, const PageJson& summary) {
+  return page_of(data_of(run, summary), summary, run.maps.ground != nullptr);
+}
+
+std::string map_page(const MapRun& run, const PageJson& summary, const MapRun& drawn,
+                     const PageJson& drawn_summary) {
+  PageJson data = data_of(run, summary);
+  data["drawn"] = data_of(drawn, drawn_summary);
+  return page_of(data, summary, run.maps.ground != nullptr);
 }
 
 }  // namespace prospect

@@ -15,4 +15,9 @@ namespace prospect {
 /// the processor in it, the same run gives the same bytes.
 std::string map_page(const MapRun& run, const nlohmann::ordered_json& summary);
 
+/// Likewise of a run with loops, and of the same recording as its poses have it, `drawn`: the page
+/// shows either, whole, as the reader chooses, and opens with the first.
+std::string map_page(const MapRun& run, const nlohmann::ordered_json& summary, const MapRun& drawn,
+                     const nlohmann::ordered_json& drawn_summary);
+
 }  // namespace prospect

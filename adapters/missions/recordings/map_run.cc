@@ -79,7 +79,7 @@ class FloorMap {
     prior_.height = floor_.normal.dot(pose.translation()) + floor_.c;
     if (!dataset.has_poses()) return;
     T_WD_ = level(floor_, pose);
-    PerceptionOptions perception = recording_options(T_WD_ * pose);
+    PerceptionOptions perception = recording_options(T_WD_ * pose, options.loops);
     perception.depth_camera = {dataset.camera(), {Eigen::Isometry3d::Identity()}};
     for (int sensor = 1; sensor < dataset.sensors(); ++sensor) {
       perception.more_depth_cameras[sensor] = {dataset.camera(sensor), {dataset.T_FC(sensor)}};
@@ -93,17 +93,19 @@ class FloorMap {
   const GroundPrior& prior() const { return prior_; }
   const Eigen::Isometry3d& T_WD() const { return T_WD_; }
   const BeliefMaps& maps() const { return maps_; }
+  void straighten(MapRun& run) {
+    if (perception_) prospect::straighten(*perception_, run);
+  }
 
   MapRunFrame enter(int i, const DepthImage& image) {
-    MapRunFrame frame;
-    MappedFrame& mapped = frame.mapped;
     if (perception_) {
       const Eigen::Isometry3d T_WF = T_WD_ * dataset_.pose(i);
       const int sensor = dataset_.sensor(i);
       const Eigen::Isometry3d T_WC = T_WF * dataset_.T_FC(sensor);
       const double stamp = dataset_.stamp(i);
-      mapped = map_at(*perception_, stamp, stamp == posed_ ? nullptr : &T_WF,
-                      [&] { return perception_->depth(stamp, image, sensor); });
+      MapRunFrame frame = map_at(*perception_, stamp, stamp == posed_ ? nullptr : &T_WF, drift_,
+                                 [&] { return perception_->depth(stamp, image, sensor); });
+      MappedFrame& mapped = frame.mapped;
       posed_ = stamp;
       frame.up = T_WC.linear() * mapped.ground.normal;
       frame.height_error = mapped.ground.height - T_WC.translation().z();
@@ -114,6 +116,8 @@ class FloorMap {
       frame.snapshot = stopwatch.lap();
       return frame;
     }
+    MapRunFrame frame;
+    MappedFrame& mapped = frame.mapped;
     mapped.stamp = dataset_.stamp(i);
     ProcessorStopwatch stopwatch;
     mapped.ground = find_ground(dataset_.camera(), image, prior_, options_.mapper.ground);
@@ -136,6 +140,7 @@ class FloorMap {
   GroundPrior prior_;
   Eigen::Isometry3d T_WD_ = Eigen::Isometry3d::Identity();
   std::optional<PerceptionPipeline> perception_;
+  PoseDrift drift_;
   double posed_ = kNan;  // [s] of the newest pose
   BeliefMaps maps_;
 };
@@ -282,6 +287,7 @@ MapRun run_mapping(const DepthDataset& dataset, const MapRunOptions& options, in
     run.first = map->prior();
     run.T_WD = map->T_WD();
     run.maps = map->maps();
+    map->straighten(run);
     return run;
   }
   run.no_ground = why.empty() ? "no plane that frames agree on" : why;

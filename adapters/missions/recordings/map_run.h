@@ -28,6 +28,8 @@ struct MapRunOptions {
   /// Without poses: how far the ground of a frame may be from that of the first ones.
   double tilt_tolerance = 0.15;   ///< [rad]
   double height_tolerance = 0.1;  ///< [m]
+  /// The poses drift, and places that are seen again correct them; needs poses and Ceres.
+  bool loops = false;
 };
 
 /// One frame of a run. With poses, `up` and `height_error` are in W: the measured normal, and the
@@ -38,6 +40,13 @@ struct MapRunFrame {
   double height_error = 0.0;  ///< [m]; NaN without poses
   double hypotheses = 0.0;    ///< processor time of the hypotheses of the ground [ms]
   double snapshot = 0.0;  ///< processor time to bring octree, voxels and ground map up to date [ms]
+  int anchor = 0;         ///< with loops: what it was seen from (MapAnchor::id)
+};
+
+/// What loops have done to a run.
+struct MapRunLoops {
+  int found = 0, used = 0;
+  double farthest = 0.0;  ///< [m] that a pose was moved, at most
 };
 
 /// A hypothesis of the ground as it stood after one frame.
@@ -77,7 +86,9 @@ struct MapRun {
   GroundPrior first;               ///< the ground taken, as the first camera would see it
   BeliefMaps maps;                 ///< null without poses or ground: nothing is mapped
   std::vector<std::string> notes;  ///< images or scans that could not be read: left out, rejected
-  bool cancelled = false;          ///< it ends before the last frame, or on a floor of before
+  /// With loops: T_WC of the frames and the map are corrected, in the frame of the first pose.
+  std::optional<MapRunLoops> loops;
+  bool cancelled = false;  ///< it ends before the last frame, or on a floor of before
 };
 
 /// Who watches a run, as far as there is somebody.

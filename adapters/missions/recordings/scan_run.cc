@@ -48,12 +48,12 @@ ScanPlacement place_scans(const ScanSource& source, double height, int first) {
 }
 
 MapRun run_scan_mapping(const ScanSource& source, const ScanPlacement& placement,
-                        const ScanMapperOptions& options, int first, int max_scans,
+                        const ScanRunOptions& options, int first, int max_scans,
                         const MapRunWatch& watch) {
   MapRun run;
   run.T_WD = placement.T_WD;
   const int n = frames_from(first, max_scans, static_cast<int>(source.stamps.size()));
-  ScanMapperOptions mapping = options;
+  ScanMapperOptions mapping = options.mapper;
   if (source.planar) {
     HeightSlice& slice = mapping.map.slice;
     const double r = mapping.map.resolution;
@@ -61,10 +61,14 @@ MapRun run_scan_mapping(const ScanSource& source, const ScanPlacement& placement
     slice.z_min = std::min(slice.z_min, layer);
     slice.z_max = std::max(slice.z_max, layer);
   }
-  PerceptionOptions options_of_all = recording_options();
+  PerceptionOptions options_of_all =
+      recording_options(n > 0 ? run.T_WD * source.poses[static_cast<std::size_t>(first)]
+                              : Eigen::Isometry3d::Identity(),
+                        options.loops);
   options_of_all.mapping = mapping.map;
   options_of_all.scan_mapping = mapping;
   PerceptionPipeline perception(options_of_all);
+  PoseDrift drift;
   Elements scans("scans");
   for (int i = first; i < first + n; ++i) {
     run.cancelled = watch.cancelled && watch.cancelled();
@@ -75,7 +79,7 @@ MapRun run_scan_mapping(const ScanSource& source, const ScanPlacement& placement
     DepthScan scan;
     if (scans.read([&] { scan = source.read(k); })) {
       const Eigen::Isometry3d T_WC = run.T_WD * source.poses[k];
-      frame.mapped = map_at(perception, stamp, &T_WC, [&] { return perception.scan(stamp, scan); });
+      frame = map_at(perception, stamp, &T_WC, drift, [&] { return perception.scan(stamp, scan); });
     } else {
       frame.mapped.stamp = stamp;
       frame.mapped.state = Mapping::kRejected;
@@ -88,6 +92,7 @@ MapRun run_scan_mapping(const ScanSource& source, const ScanPlacement& placement
     run.frames.push_back(frame);
     if (watch.progress) watch.progress(i - first + 1, frame);
   }
+  straighten(perception, run);
   if (scans.bad() > 0) run.notes.push_back(scans.note());
   if (run.cancelled) run.notes.push_back(cancelled_note(run.frames.size(), n));
   return run;

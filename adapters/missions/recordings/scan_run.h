@@ -26,6 +26,11 @@ struct ScanPlacement {
 /// line.
 ScanPlacement place_scans(const ScanSource& source, double height, int first = 0);
 
+struct ScanRunOptions {
+  ScanMapperOptions mapper;
+  bool loops = false;  ///< as MapRunOptions
+};
+
 /// Maps a recording by PerceptionPipeline, from scan `first`, at most `max_scans` (0: all). The
 /// result is that of run_mapping() with poses and without grounds. Of scans of one plane the slice
 /// of the ground map is widened to hold the layer of voxels that the first one runs in.
@@ -33,7 +38,7 @@ ScanPlacement place_scans(const ScanSource& source, double height, int first = 0
 /// A scan that cannot be read is rejected, and notes say so. Cancelled, the map is that of the
 /// scans so far. One thread; the same recording gives the same bits, but for times.
 MapRun run_scan_mapping(const ScanSource& source, const ScanPlacement& placement,
-                        const ScanMapperOptions& options = {}, int first = 0, int max_scans = 0,
+                        const ScanRunOptions& options = {}, int first = 0, int max_scans = 0,
                         const MapRunWatch& watch = {});
 
 }  // namespace prospect

@@ -16,6 +16,7 @@
 #include "adapters/formats/datasets/scan_source.h"
 #include "adapters/formats/datasets/stereo_source.h"
 #include "adapters/formats/files/input_error.h"
+#include "adapters/formats/files/not_built_in.h"
 #include "adapters/formats/files/output_folder.h"
 #include "adapters/formats/worlds/octree_file.h"
 #include "adapters/missions/config/configuration.h"
@@ -31,6 +32,7 @@
 #include "adapters/program/cli/interrupt.h"
 #include "adapters/program/cli/progress.h"
 #include "perception/odometry/stereo_odometry_options.h"
+#include "perception/pipeline/straight_map.h"
 
 namespace prospect {
 namespace {
@@ -49,6 +51,7 @@ struct MapArguments {
   double lidar_height = 0.0;           ///< [m]; 0: not known
   int first = 0;                       ///< frame to begin with
   int frames = 0;                      ///< at most so many; 0: all
+  bool loops = false;                  ///< places that are seen again correct the poses
   bool json = false;
   bool quiet = false;
 };
@@ -66,7 +69,7 @@ struct MapInput {
   std::optional<double> depth_scale;          ///< none of scans and of stereo pairs
   std::optional<StereoDepthAccuracy> stereo;  ///< of stereo pairs
   std::string doubt;                          ///< what contradicts the depth scale; empty: nothing
-  std::function<MapRun(int frames, const MapRunWatch& watch)> run;
+  std::function<MapRun(int frames, bool loops, const MapRunWatch& watch)> run;
 };
 
 nlohmann::ordered_json as_json(const GroundRecord& r) {
@@ -145,6 +148,11 @@ nlohmann::ordered_json as_json(const MapArguments& arguments, double resolution,
       {"wall_thickness_median_m", s.walls.median},
       {"wall_thickness_p90_m", s.walls.p90},
       {"walls_doubled", s.walls.doubled},
+      {"loops", run.loops ? nlohmann::ordered_json{{"found", run.loops->found},
+                                                   {"used", run.loops->used},
+                                                   {"moved_m", run.loops->farthest}}
+                          : nlohmann::ordered_json()},
+      {"without_loops", nullptr},
       {"processor_ms",
        {{"hypotheses", times_json(s.hypotheses)},
         {"check", times_json(s.check)},
@@ -153,6 +161,31 @@ nlohmann::ordered_json as_json(const MapArguments& arguments, double resolution,
         {"insert", times_json(s.insert)},
         {"snapshot", times_json(s.snapshot)},
         {"frame", times_json(s.frame)}}}};
+}
+
+/// For the page, which has no times, so that it is the same for the same recording.
+nlohmann::ordered_json untimed(nlohmann::ordered_json json) {
+  json.erase("processor_ms");
+  if (json["ground"].is_object()) json["ground"].erase("over_time");  // it is in the run
+  return json;
+}
+
+/// What of a summary is of the map, and not of the recording.
+nlohmann::ordered_json of_map_alone(const nlohmann::ordered_json& json) {
+  nlohmann::ordered_json out;
+  for (const char* name : {"free_cells", "occupied_cells", "low_cells", "wall_cells",
+                           "wall_thickness_median_m", "wall_thickness_p90_m", "walls_doubled"}) {
+    out[name] = json.at(name);
+  }
+  return out;
+}
+
+void print_loops(const MapRunLoops& loops, const MapSummary& with, const MapSummary& without,
+                 double resolution) {
+  const double cell = resolution * resolution;
+  std::printf("loops        %d of %d used; a pose moved by %.2f m at most; without loops %.2f m^2",
+              loops.used, loops.found, loops.farthest, without.occupied_cells * cell);
+  std::printf(" occupied, with them %.2f\n", with.occupied_cells * cell);
 }
 
 void print_ground(const MapRun& run, const MapSummary& s) {
@@ -326,8 +359,10 @@ MapInput depth_input(const MapArguments& arguments, const PerceptionOptions& per
   if (!stereo) input.depth_scale = dataset.depth_scale();
   input.stereo = dataset.stereo();
   if (dataset.depth_scale_doubtful()) input.doubt = dataset.notes().back();
-  input.run = [=, first = arguments.first](int frames, const MapRunWatch& watch) {
-    return run_mapping(dataset, run_options, first, frames, watch);
+  input.run = [=, first = arguments.first](int frames, bool loops, const MapRunWatch& watch) {
+    MapRunOptions options = run_options;
+    options.loops = loops;
+    return run_mapping(dataset, options, first, frames, watch);
   };
   return input;
 }
@@ -365,8 +400,8 @@ MapInput scan_input(const MapArguments& arguments, const PerceptionOptions& perc
   input.notes.insert(input.notes.end(), placement.notes.begin(), placement.notes.end());
   if (!arguments.range) input.notes.push_back(range_note(options.map.max_range));
   input.without_pose = static_cast<int>(source.without_pose);
-  input.run = [=, first = arguments.first](int frames, const MapRunWatch& watch) {
-    return run_scan_mapping(source, placement, options, first, frames, watch);
+  input.run = [=, first = arguments.first](int frames, bool loops, const MapRunWatch& watch) {
+    return run_scan_mapping(source, placement, {options, loops}, first, frames, watch);
   };
   return input;
 }
@@ -378,7 +413,27 @@ PerceptionOptions perception_of(const MapArguments& arguments, ConfigurationUse 
   return read_told_perception(arguments.configuration, perception, use);
 }
 
+/// What is written besides the octree: names and contents.
+std::vector<std::pair<std::string, std::string>> files_of(const MapRun& run,
+                                                          const nlohmann::ordered_json& json,
+                                                          std::string page) {
+  std::vector<std::pair<std::string, std::string>> files = {{"ground.csv", ground_csv(run)},
+                                                            {"summary.json", json.dump(2) + "\n"},
+                                                            {"map.html", std::move(page)}};
+  if (!run.maps.ground) return files;
+  GroundPicture exploration = exploration_picture(*run.maps.ground, "exploration.png");
+  GroundPicture obstacles = obstacle_picture(*run.maps.ground, "obstacles.png");
+  files.emplace_back("exploration.png", std::move(exploration.png));
+  files.emplace_back("exploration.yaml", std::move(exploration.yaml));
+  files.emplace_back("obstacles.png", std::move(obstacles.png));
+  files.emplace_back("obstacles.yaml", std::move(obstacles.yaml));
+  return files;
+}
+
 int map(const MapArguments& arguments, SignalGuard& signals) {
+  if (arguments.loops && !StraightMap::is_built_in()) {
+    throw NotBuiltIn("--loops", "Ceres (libceres-dev)");
+  }
   Progress progress(arguments.quiet);
   progress.show("reading " + arguments.dataset);
   const bool scans = is_used_for_scans(arguments.dataset, arguments.stereo.topics);
@@ -400,6 +455,8 @@ int map(const MapArguments& arguments, SignalGuard& signals) {
   MapInput input =
       scans ? scan_input(arguments, perception) : depth_input(arguments, perception, stereo);
   progress.finish();
+  refuse(arguments.loops && !input.poses, "--loops", arguments.dataset,
+         "a recording without poses; expected them, as of an odometry");
   signals.note();
   std::optional<OutputFolder> out;
   if (!arguments.out.empty()) {
@@ -416,27 +473,29 @@ int map(const MapArguments& arguments, SignalGuard& signals) {
                                                : "ground not found  ") +
                   std::string(to_string(frame.mapped.state)));
   };
-  const MapRun run = input.run(frames, watch);
+  // As the poses have it, and then, if wanted, with what places say that are seen again.
+  MapRun run = input.run(frames, false, watch);
+  std::optional<MapRun> drawn;
+  if (arguments.loops && !run.cancelled && run.maps.ground) {
+    drawn = std::exchange(run, input.run(frames, true, watch));
+  }
   progress.finish();
   input.notes.insert(input.notes.end(), run.notes.begin(), run.notes.end());
   const MapSummary summary = summarize(run);
-  const auto json = as_json(arguments, resolution, input, run, summary);
+  auto json = as_json(arguments, resolution, input, run, summary);
+  nlohmann::ordered_json drawn_json;
+  std::optional<MapSummary> drawn_summary;
+  if (drawn) {
+    drawn_summary = summarize(*drawn);
+    drawn_json = untimed(as_json(arguments, resolution, input, *drawn, *drawn_summary));
+    json["without_loops"] = of_map_alone(drawn_json);
+  }
   std::string written;
   if (out) {
-    std::vector<std::pair<std::string, std::string>> files = {
-        {"ground.csv", ground_csv(run)}, {"summary.json", json.dump(2) + "\n"}};
-    // The page has no times, so it is the same for the same recording.
-    auto untimed = json;
-    untimed.erase("processor_ms");
-    if (untimed["ground"].is_object()) untimed["ground"].erase("over_time");  // it is in the run
-    files.emplace_back("map.html", map_page(run, untimed));
+    const auto files = files_of(
+        run, json,
+        drawn ? map_page(run, untimed(json), *drawn, drawn_json) : map_page(run, untimed(json)));
     if (run.maps.ground) {
-      GroundPicture exploration = exploration_picture(*run.maps.ground, "exploration.png");
-      GroundPicture obstacles = obstacle_picture(*run.maps.ground, "obstacles.png");
-      files.emplace_back("exploration.png", std::move(exploration.png));
-      files.emplace_back("exploration.yaml", std::move(exploration.yaml));
-      files.emplace_back("obstacles.png", std::move(obstacles.png));
-      files.emplace_back("obstacles.yaml", std::move(obstacles.yaml));
       write_octree(*run.maps.octree, out->claim("map.bt"));
       written = "map.bt ";
     }
@@ -457,6 +516,7 @@ int map(const MapArguments& arguments, SignalGuard& signals) {
                 input.poses ? "" : ", no poses");
     for (const std::string& note : input.notes) std::printf("note         %s\n", note.c_str());
     print(input, run, summary);
+    if (drawn) print_loops(*run.loops, summary, *drawn_summary, resolution);
     if (out) std::printf("written to   %s: %s\n", out->path().c_str(), written.c_str());
   }
   if (run.cancelled) {
@@ -553,6 +613,8 @@ Command map_command(CLI::App& program) {
       ->capture_default_str();
   command->add_option("--frames", arguments.frames, "At most so many [all]")
       ->check(whole_number_within(1, 1000000000));
+  command->add_flag("--loops", arguments.loops,
+                    "The poses drift: places that are seen again correct them, and the map");
   command->add_flag("--json", arguments.json, "Print the summary as JSON");
   command->add_flag("--quiet", arguments.quiet, "No progress line");
   return {command, [given](const Invocation& in) { return map(*given, in.signals); }};

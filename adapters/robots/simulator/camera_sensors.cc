@@ -12,6 +12,7 @@
 #include "adapters/robots/simulator/scene_renderer.h"
 #include "adapters/robots/simulator/world_mesh.h"
 #include "models/mixed_bits.h"
+#include "models/parameter_check.h"
 #include "models/sinc.h"
 
 namespace prospect {
@@ -113,11 +114,15 @@ CameraSensors::CameraSensors(const World& world, const SimulatorOptions& options
                   perception_of(options, perception, rig_.depth_camera(), more_, start)),
       wheel_noise_(stream_seed(options.seed, NoiseStream::kWheels)),
       wheel_pose_(start) {
-  if (options.map) perception_.map().load(*options.map);
+  if (options.map) {
+    perception_.map().load(*options.map);
+    check_parameter(perception_.give_map(options.place_known), "simulator", "place_known", 0.0,
+                    "with perception.loops, built with Ceres");
+  }
   const double z = start.position.z();
+  free_height_ = perception.mapping.slice.z_max - z;
   for (const Disc& d : known_free) {
-    perception_.map().clear_cylinder({d.center.x(), d.center.y(), z}, d.radius,
-                                     perception.mapping.slice.z_max - z);
+    perception_.map().clear_cylinder({d.center.x(), d.center.y(), z}, d.radius, free_height_);
   }
   perception_.map().assume_floor(start.position.head<2>(), perception.start_floor);
   std::normal_distribution<double> normal;
@@ -204,9 +209,19 @@ void CameraSensors::enter(double stamp, const SensorFrame& ranges) {
   }
 }
 
-bool CameraSensors::correct(const Correction& correction) {
+void CameraSensors::carry(const Pose&, const Pose& true_pose, const std::vector<Disc>& known_free) {
+  wheel_pose_ = true_pose;  // wheels do not turn meanwhile
+  perception_.lift();
+  const Pose now = perception_.pose(wheel_stamp_);
+  const PlanarMove to_W = move_between(true_pose, now);
+  for (const Disc& d : known_free) {
+    const Eigen::Vector2d at = to_W(d.center);
+    perception_.map().clear_cylinder({at.x(), at.y(), now.position.z()}, d.radius, free_height_);
+  }
+}
+
+void CameraSensors::correct(const Correction& correction, const Pose&) {
   perception_.correct(correction);
-  return true;
 }
 
 PlanarMove CameraSensors::origin() const {

@@ -63,7 +63,8 @@ class CameraSensors final : public SimulatedSensors {
   Pose estimate(double stamp, const Pose& true_pose) const override;
   Localization localization() const override { return perception_.frame().state; }
   int losses() const override { return losses_; }
-  bool correct(const Correction& correction) override;
+  void carry(const Pose& from, const Pose& true_pose, const std::vector<Disc>& known_free) override;
+  void correct(const Correction& correction, const Pose& true_pose) override;
   PlanarMove origin() const override;
   std::string complaint() const override { return perception_.complaint(); }
   CameraPicture picture() const override;
@@ -89,7 +90,8 @@ class CameraSensors final : public SimulatedSensors {
   std::mt19937_64 wheel_noise_;
   double wheel_scale_ = 1.0, turn_scale_ = 1.0;
   double wheel_stamp_ = 0.0;
-  Pose wheel_pose_;  // true, at the last sample
+  Pose wheel_pose_;           // true, at the last sample
+  double free_height_ = 0.0;  // [m] above B's origin
 };
 
 }  // namespace prospect

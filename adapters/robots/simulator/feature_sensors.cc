@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
-#include <utility>
 #include <variant>
 #include <vector>
 
@@ -12,6 +11,7 @@
 #include "adapters/robots/simulator/noise_stream.h"
 #include "adapters/robots/simulator/relocalization.h"
 #include "adapters/robots/simulator/view_features.h"
+#include "models/parameter_check.h"
 
 namespace prospect {
 namespace {
@@ -44,14 +44,19 @@ FeatureSensors::FeatureSensors(const World& world, const SimulatorOptions& optio
   const bool corrected =
       std::any_of(options.corrections.begin(), options.corrections.end(),
                   [](const auto& c) { return c.kind == CorrectionKind::kRobot; });
-  if (perception.loops || corrected) {
-    straight_ = std::make_unique<StraightMap>(mapper_, start, perception.loops);
+  const bool aligns = perception.loops && StraightMap::is_built_in();
+  if (aligns || corrected) straight_ = std::make_unique<StraightMap>(mapper_, start, aligns);
+  if (straight_ || !options.corrections.empty()) corrections_.expect();
+  if (options.map) {
+    mapper_->load(*options.map);
+    check_parameter(options.place_known || straight_, "simulator", "place_known", 0.0,
+                    "with perception.loops, built with Ceres");
+    if (straight_) straight_->give({start, Eigen::Matrix3d::Zero()}, options.place_known);
   }
-  if (options.map) mapper_->load(*options.map);
   const double z = start.position.z();
+  free_height_ = perception.mapping.slice.z_max - z;
   for (const Disc& d : known_free) {
-    mapper_->clear_cylinder({d.center.x(), d.center.y(), z}, d.radius,
-                            perception.mapping.slice.z_max - z);
+    mapper_->clear_cylinder({d.center.x(), d.center.y(), z}, d.radius, free_height_);
   }
   mapper_->assume_floor(start.position.head<2>(), perception.start_floor);
 }
@@ -76,10 +81,8 @@ StraightMap::Robot FeatureSensors::robot(const Pose& true_pose) const {
 
 void FeatureSensors::keep_straight(double stamp, const Pose& true_pose) {
   if (!straight_) return;
-  auto done = straight_->go_on(stamp, robot(true_pose));
-  if (!done) return;
-  landmarks_.follow(done->anchors);
-  followed_.push_back(std::move(done->correction));
+  const auto done = go_on(*straight_, stamp, robot(true_pose), corrections_);
+  if (done) landmarks_.follow(done->anchors);
 }
 
 Eigen::Matrix4d FeatureSensors::covariance(const Pose& true_pose) const {
@@ -90,10 +93,23 @@ Eigen::Matrix4d FeatureSensors::covariance(const Pose& true_pose) const {
   return covariance;
 }
 
-std::vector<FollowedCorrection> FeatureSensors::followed() { return std::exchange(followed_, {}); }
+void FeatureSensors::carry(const Pose& from, const Pose& true_pose,
+                           const std::vector<Disc>& known_free) {
+  odometry_.carry(from, true_pose);
+  const Pose now = odometry_.estimate(true_pose);
+  if (straight_) straight_->lift(robot(true_pose));
+  landmarks_.forget();
+  relocalization_images_left_ = 0;
+  before_loss_ = -1;
+  const PlanarMove to_W = move_between(true_pose, now);
+  for (const Disc& d : known_free) {
+    const Eigen::Vector2d at = to_W(d.center);
+    mapper_->clear_cylinder({at.x(), at.y(), now.position.z()}, d.radius, free_height_);
+  }
+}
 
-bool FeatureSensors::move_robot(const Correction& correction, const Pose& true_pose) {
-  return straight_ && straight_->move_robot(robot(true_pose), correction);
+void FeatureSensors::correct(const Correction& correction, const Pose& true_pose) {
+  prospect::correct(correction, robot(true_pose), corrections_, straight_.get());
 }
 
 PlanarMove FeatureSensors::origin() const { return straight_ ? straight_->origin() : PlanarMove{}; }
@@ -177,6 +193,7 @@ std::shared_ptr<const Belief> FeatureSensors::belief(double stamp, const Pose& t
   belief->voxels = mapper_->voxels();
   belief->ground = mapper_->ground();
   belief->landmarks = landmarks_.map();
+  belief->map_frame = corrections_.frame();
   return belief;
 }
 

@@ -14,6 +14,7 @@
 #include "adapters/robots/simulator/odometry_model.h"
 #include "adapters/robots/simulator/sensors.h"
 #include "adapters/robots/simulator/simulator_options.h"
+#include "engine/maps/correction.h"
 #include "models/robot_shape.h"
 #include "perception/mapping/occupancy_mapper.h"
 #include "perception/pipeline/straight_map.h"
@@ -42,8 +43,8 @@ class FeatureSensors final : public SimulatedSensors {
   Pose estimate(double stamp, const Pose& true_pose) const override;
   Localization localization() const override { return odometry_.localization(); }
   int losses() const override { return odometry_.losses(); }
-  std::vector<FollowedCorrection> followed() override;
-  bool move_robot(const Correction& correction, const Pose& true_pose) override;
+  void carry(const Pose& from, const Pose& true_pose, const std::vector<Disc>& known_free) override;
+  void correct(const Correction& correction, const Pose& true_pose) override;
   PlanarMove origin() const override;
 
   /// What keeps the map straight, for evaluation; null: nothing does.
@@ -66,7 +67,8 @@ class FeatureSensors final : public SimulatedSensors {
   std::shared_ptr<OccupancyMapper> mapper_;
   std::unique_ptr<StraightMap> straight_;  // null: the map is as it was drawn
   int before_loss_ = -1;                   // anchor; -1: not lost
-  std::vector<FollowedCorrection> followed_;
+  Corrections corrections_;
+  double free_height_ = 0.0;  // [m] above B's origin
 
   std::vector<double> scan_stamps_;              // [s], of each depth sensor
   double scan_stamp_ = 0.0, image_stamp_ = 0.0;  // [s], of the newest

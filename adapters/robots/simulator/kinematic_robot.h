@@ -105,6 +105,9 @@ class KinematicRobot {
   /// What it cannot drive into from now on, besides the world.
   void stand_among(std::vector<Disc> discs) { discs_ = std::move(discs); }
 
+  /// Somebody carries it; not into a wall.
+  void carry_to(const Pose& pose) { pose_ = pose; }
+
   const Pose& pose() const { return pose_; }
   const ContactTest& contact_test() const { return contact_; }
   int collisions() const { return collisions_; }

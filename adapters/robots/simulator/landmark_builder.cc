@@ -24,6 +24,13 @@ LandmarkBuilder::LandmarkBuilder(const LandmarkBuilderOptions& options,
   map_->feature_density = density_.value();
 }
 
+void LandmarkBuilder::forget() {
+  map_ = std::make_shared<LandmarkMap>();
+  map_->feature_density = density_.value();
+  statistics_.clear();
+  position_.clear();
+}
+
 void LandmarkBuilder::update(const std::vector<FeatureObservation>& observations,
                              const Pose& estimated_pose, const VoxelGrid& voxels,
                              double surface_area, int anchor) {

@@ -55,6 +55,8 @@ class LandmarkBuilder {
 
   /// What was seen from each anchor has moved so in W.
   void follow(const std::vector<PlanarMove>& anchors);
+  /// Where all of them are is not known any more.
+  void forget();
 
   /// The landmark of a feature, or null; valid until the next update.
   const Landmark* find(std::uint64_t id) const {

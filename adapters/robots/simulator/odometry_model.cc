@@ -211,6 +211,12 @@ Eigen::Matrix4d OdometryModel::covariance(const Pose& true_pose) const {
   return F * covariance_ * F.transpose();
 }
 
+void OdometryModel::carry(const Pose& from, const Pose& true_pose) {
+  keyframe_ = estimate(from);
+  true_keyframe_ = true_pose;
+  adrift_ = false;
+}
+
 Pose OdometryModel::estimate(const Pose& true_pose) const {
   if (options_.perfect) return true_pose;
   Pose pose;

@@ -85,6 +85,9 @@ class OdometryModel {
   /// found.
   void relocalize(const Pose& true_pose, const Pose& found, const Eigen::Matrix3d& covariance);
 
+  /// The robot is carried to `true_pose`, and nothing measures that: the estimate stays.
+  void carry(const Pose& from, const Pose& true_pose);
+
   /// The search was given up: what the loss added to the error stays.
   void accept_drift() { adrift_ = false; }
 

@@ -10,8 +10,8 @@
 #include "adapters/robots/simulator/walkers.h"
 #include "engine/maps/belief.h"
 #include "engine/maps/correction.h"
-#include "engine/maps/place_moves.h"
 #include "engine/maps/planar_move.h"
+#include "models/robot_shape.h"
 #include "models/types.h"
 #include "runtime/camera_picture.h"
 #include "runtime/frame_sink.h"
@@ -47,16 +47,12 @@ class SimulatedSensors {
   virtual Pose estimate(double stamp, const Pose& true_pose) const = 0;
   virtual Localization localization() const = 0;
   virtual int losses() const = 0;  ///< how often localization was lost
-  /// What they have corrected of what they drew (correction.h) since the last call: of kAnchors, in
-  /// order, and followed in all beliefs from now on.
-  virtual std::vector<FollowedCorrection> followed() { return {}; }
-  /// Somebody corrects. True: they take, or refuse, corrections themselves, and their beliefs say
-  /// so; none are left to followed() and move_robot() then.
-  virtual bool correct(const Correction& /*correction*/) { return false; }
-  /// Somebody corrects the robot's place in what it has drawn (kRobot): false, if it cannot move.
-  virtual bool move_robot(const Correction& /*correction*/, const Pose& /*true_pose*/) {
-    return false;
-  }
+  /// The robot was carried from one true pose to another, and knows that, but not where it is.
+  /// known_free: as at the start, about where it is [m, in the true frame].
+  virtual void carry(const Pose& from, const Pose& true_pose,
+                     const std::vector<Disc>& known_free) = 0;
+  /// Somebody corrects (correction.h). Whether it is taken, beliefs say from then on.
+  virtual void correct(const Correction& correction, const Pose& true_pose) = 0;
   /// Where W lies in the frame of the start by these.
   virtual PlanarMove origin() const { return {}; }
   /// Why the sensors cannot be trusted, e.g. a calibration that is wrong; empty: nothing is known

@@ -67,9 +67,8 @@ struct Simulator::Impl {
   double lost_time = 0.0;
   std::int64_t images = 0;  // taken so far; the next one is due at images / image_rate
   std::int64_t scans = 0;
-  Twist twist;  // being executed
-  Corrections corrections;
-  std::size_t corrected = 0;  // of the options', how many were told
+  Twist twist;                             // being executed
+  std::size_t corrected = 0, carried = 0;  // of the options', how many have been
 
   Impl(std::shared_ptr<const World> w, const SimulatorOptions& o, PerceptionOptions perception)
       : world(not_null(std::move(w))),
@@ -78,9 +77,13 @@ struct Simulator::Impl {
         robot(*world, o.shape, o.actuation, start_of(*world, o),
               stream_seed(o.seed, NoiseStream::kActuation), mapping.slice.step),
         seen(*world, mapping.slice) {
-    const std::vector<Disc> cleared =
-        known_free(*world, robot.pose(), robot.contact_test().radius(),
-                   {mapping.slice.z_min, mapping.slice.z_max}, mapping.resolution);
+    const std::vector<Disc> cleared = free_about(robot.pose());
+    for (const SimulatorOptions::Carried& c : o.carried) {
+      Pose to = c.to;
+      to.position.z() = robot.pose().position.z();
+      check_parameter(!robot.contact_test().in_contact(to), "simulator", "carried", to.position.x(),
+                      "places without a wall in the body");
+    }
     perception.mapping = mapping;
     if (o.sensors == Sensors::kCamera) {
       sensors = std::make_unique<CameraSensors>(*world, o, perception, robot.pose(), cleared);
@@ -94,10 +97,7 @@ struct Simulator::Impl {
       sensors->among(&*walkers);
       walk();
     }
-    if (o.sensors == Sensors::kModel && (!o.corrections.empty() || perception.loops)) {
-      corrections.expect();
-    }
-    if (o.map) seen.know(*sensors->belief(time, robot.pose(), twist)->ground);
+    if (o.map && o.place_known) seen.know(*sensors->belief(time, robot.pose(), twist)->ground);
     scan();
     image();
     const std::string complaint = sensors->complaint();
@@ -115,8 +115,24 @@ struct Simulator::Impl {
     for (const Walker& walker : walkers->walkers()) discs.push_back({walker.at, kWalkerRadius});
     robot.stand_among(std::move(discs));
   }
+
+  static constexpr double kInstant = 1e-9;  // nearer ones are the same
+
+  std::vector<Disc> free_about(const Pose& pose) const {
+    return known_free(*world, pose, robot.contact_test().radius(),
+                      {mapping.slice.z_min, mapping.slice.z_max}, mapping.resolution);
+  }
+  void carry() {
+    for (; carried < options.carried.size(); ++carried) {
+      if (!(options.carried[carried].time <= time + kInstant)) return;
+      const Pose from = robot.pose();
+      Pose to = options.carried[carried].to;
+      to.position.z() = from.position.z();
+      robot.carry_to(to);
+      sensors->carry(from, to, free_about(to));
+    }
+  }
   void correct() {
-    constexpr double kInstant = 1e-9;
     for (; corrected < options.corrections.size(); ++corrected) {
       const ScheduledCorrection& told = options.corrections[corrected];
       if (!(told.time <= time + kInstant)) return;
@@ -125,20 +141,7 @@ struct Simulator::Impl {
       correction.T_new_old = body_transform({{told.x, told.y, 0.0}, told.yaw});
       correction.why = "as the mission was told";
       correction.kind = told.kind;
-      if (sensors->correct(correction)) continue;
-      const Pose estimated = sensors->estimate(time, robot.pose());
-      if (told.kind != CorrectionKind::kRobot) {
-        corrections.take(correction, estimated);
-      } else if (corrections.refuse(correction, estimated).empty() &&
-                 !sensors->move_robot(correction, robot.pose())) {
-        corrections.take(correction, estimated);  // cannot be followed
-      }
-    }
-  }
-  void follow() {
-    const Pose estimated = sensors->estimate(time, robot.pose());
-    for (FollowedCorrection& f : sensors->followed()) {
-      corrections.followed(f.correction, estimated, std::move(f.moves));
+      sensors->correct(correction, robot.pose());
     }
   }
   void scan() {
@@ -160,13 +163,9 @@ Simulator::~Simulator() = default;
 
 std::shared_ptr<const Belief> Simulator::sense() {
   Impl& s = *impl_;
+  s.carry();
   s.correct();
-  s.follow();
-  std::shared_ptr<const Belief> belief = s.sensors->belief(s.time, s.robot.pose(), s.twist);
-  if (!s.corrections.frame()) return belief;
-  auto corrected = std::make_shared<Belief>(*belief);
-  corrected->map_frame = s.corrections.frame();
-  return corrected;
+  return s.sensors->belief(s.time, s.robot.pose(), s.twist);
 }
 
 void Simulator::apply(const Twist& twist, double duration) {

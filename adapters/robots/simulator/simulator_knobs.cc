@@ -164,6 +164,8 @@ PerceptionOptions simulated_perception(const WheelNoise& wheels) {
 void describe(Knobs& knobs, SimulatorOptions& o) {
   knobs.choice("sensors", o.sensors, {"model", "camera"},
                "odometry as a model of its errors, or rendered images through perception");
+  knobs.boolean("place_known", o.place_known,
+                "where the robot starts in `simulator.map`; else it looks for its place");
   knobs.number("depth_rate", o.depth_rate, {0.1, 1000.0}, "1/s", "depth images");
   knobs.number("image_rate", o.image_rate, {0.1, 1000.0}, "1/s", "stereo images");
   knobs.group("actuation", [&] { describe(knobs, o.actuation); });

@@ -95,12 +95,21 @@ struct SimulatorOptions {
   WheelNoise wheels = kSimulatedWheels;
 
   /// A map of the same world to begin with, in W (OccupancyMapper::load); null: none. What it knows
-  /// counts as seen.
+  /// counts as seen, if it is known where in it the robot starts; else the robot looks for its
+  /// place (straight_map.h).
   std::shared_ptr<const octomap::OcTree> map{};
+  bool place_known = true;
 
   CameraSensorsOptions camera;
   WalkersOptions walkers;                          ///< besides those of camera.effects
   std::vector<ScheduledCorrection> corrections{};  ///< by time
+  /// Somebody carries the robot to a place on the floor, in the world's frame, at `time` [s]: it
+  /// notices that, and does not know where it is then. By time.
+  struct Carried {
+    double time = 0.0;
+    Pose to;
+  };
+  std::vector<Carried> carried{};
 };
 
 /// The knobs (models/knobs.h): all that does not come from the robot, the world or the command

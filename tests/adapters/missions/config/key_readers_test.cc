@@ -142,10 +142,13 @@ void add_simulator(Text& text, const Configuration& c) {
     text.add(k.time), text.add(k.x), text.add(k.y), text.add(k.yaw);
     text.add(static_cast<int>(k.kind));
   }
+  for (const SimulatorOptions::Carried& k : o.carried) {
+    text.add(k.time), text.add(k.to.position.x()), text.add(k.to.position.y()), text.add(k.to.yaw);
+  }
   text.add_all(mapping_options(o, c.perception.mapping));
   text.add_all(c.perception.feature_density);
   text.add(c.perception.start_floor);
-  text.add(c.map);
+  text.add(c.map), text.add(o.place_known);
   if (o.sensors == Sensors::kModel) {
     text.add_all(o.odometry), text.add_all(o.features), text.add_all(o.landmarks);
     // What looks for features in the images of a mesh.
@@ -254,6 +257,7 @@ std::vector<std::string> other_values(const ConfigEntry& e) {
       {"robot.motion.v_min", {"-3"}},
       {"simulator.corrections", {"[5, 1, 0, 10]"}},
       {"simulator.robot_corrections", {"[5, 1, 0, 10]"}},
+      {"simulator.carried", {"[5, 1, 0, 10]"}},
       {"robot.motion.vx_min", {"-3"}},
       {"world.floor", {"1.5"}},
       {"world.start", {"[1, 2, 3]"}},

@@ -408,8 +408,9 @@ TEST(KnobMembers, EveryNumberAndSwitchIsAKnob) {
     PerceptionOptions o;
     [[maybe_unused]] auto& [stereo_mount, depth_camera, more_depth_cameras, odometry, mapping,
                             depth_mapping, scan_mapping, wheels, wheel_fusion, feature_density,
-                            loops, start, start_floor, start_in_space, same_time, max_age, max_leap,
-                            max_ahead, pose_degraded, pose_lost, most_waiting] = o;
+                            loops, poses_drift, start, start_floor, start_in_space, same_time,
+                            max_age, max_leap, max_ahead, pose_degraded, pose_lost, most_waiting] =
+        o;
     EXPECT_KNOBS(o, wheels, loops, start_floor, same_time, max_age, max_leap, max_ahead,
                  pose_degraded, pose_lost, most_waiting);
   }
@@ -486,8 +487,9 @@ TEST(KnobMembers, EveryNumberAndSwitchIsAKnob) {
     SimulatorOptions o;
     [[maybe_unused]] auto& [seed, sensors, shape, base_height, actuation, depth_mount, depth,
                             depth_rate, more_depth, stereo_mount, features, image_rate, odometry,
-                            landmarks, wheels, map, camera, walkers, corrections] = o;
-    EXPECT_KNOBS(o, depth_rate, image_rate, walkers.count, walkers.keep);
+                             landmarks, wheels, map, place_known, camera, walkers, corrections,
+                             carried] = o;
+    EXPECT_KNOBS(o, place_known, depth_rate, image_rate, walkers.count, walkers.keep);
   }
 }
 

@@ -68,6 +68,22 @@ TEST(MapPage, WithoutAMapItHasNoLibraryForIt) {
   EXPECT_TRUE(data_of(page)["ground"].is_null());
 }
 
+TEST(MapPage, WithLoopsHoldsBothMaps) {
+  MapRun with = run_of(true);
+  with.loops = MapRunLoops{5, 4, 0.5};
+  for (MapRunFrame& frame : with.frames) frame.mapped.T_WC.translation().y() += 0.5;
+  auto summary = kSummary;
+  summary["loops"] = {{"used", 4}};
+  const auto data = data_of(map_page(with, summary, run_of(true), kSummary));
+  EXPECT_EQ(data["summary"]["loops"]["used"], 4);
+  const auto& drawn = data["drawn"];
+  EXPECT_EQ(drawn["summary"], kSummary);
+  EXPECT_EQ(drawn["voxels"]["occupied"], data["voxels"]["occupied"]);
+  EXPECT_EQ(drawn["columns"]["x"], data["columns"]["x"]);
+  EXPECT_NE(drawn["columns"]["y"], data["columns"]["y"]);
+  EXPECT_FALSE(data_of(map_page(with, summary)).contains("drawn"));
+}
+
 TEST(MapPage, HypothesesOfTheFloorHaveTheirCourse) {
   MapRun run = run_of(true);
   run.ground = {

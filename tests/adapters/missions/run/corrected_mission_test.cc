@@ -2,15 +2,18 @@
 // Missions whose map is corrected on the way.
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "adapters/formats/worlds/load_world.h"
+#include "adapters/formats/worlds/octree_file.h"
 #include "adapters/formats/worlds/world_file.h"
 #include "adapters/missions/config/configuration.h"
 #include "adapters/missions/run/exploration_run.h"
@@ -28,8 +31,10 @@ constexpr const char* kRoom =
     "  - {box: [0, 0, 6, 4], walls: brick, floor: brick}\n"
     "start: [1.0, 1.0, 0.5]\n";
 
+/// By what it is told alone.
 RunRecord run(const std::string& settings) {
-  const Configuration c = configuration_from_text(settings, "corrected");
+  const Configuration c =
+      configuration_from_text(settings + "perception: {loops: false}\n", "corrected");
   World world = world_from_yaml(kRoom, "a room");
   place_start(world, world_options_for(c).slice, std::nullopt, true);
   return run_exploration(std::make_shared<const World>(std::move(world)), c, {}).record;
@@ -115,8 +120,7 @@ TEST(CorrectedMission, PlacesThatAreSeenAgainKeepTheMapStraight) {
       run_exploration(std::make_shared<const World>(load_world("office")),
                       configuration_from_text(
                           "mission: {time_limit: 60}\n"
-                          "simulator: {odometry: {position_sigma: 0.004, heading_sigma: 0.004}}\n"
-                          "perception: {loops: true}\n",
+                          "simulator: {odometry: {position_sigma: 0.004, heading_sigma: 0.004}}\n",
                           "drifts"),
                       options)
           .record;
@@ -132,6 +136,62 @@ TEST(CorrectedMission, PlacesThatAreSeenAgainKeepTheMapStraight) {
   std::printf("rms error %.3f m as drawn, %.3f corrected\n", std::sqrt(drawn / n),
               std::sqrt(corrected / n));
   EXPECT_LT(corrected, 0.5 * drawn);
+}
+
+bool found_its_place(const RunRecord& record) {
+  return std::any_of(record.steps.begin(), record.steps.end(), [](const StepRecord& s) {
+    return s.map_frame && s.map_frame->why.find("place in the map was found") != std::string::npos;
+  });
+}
+
+TEST(CorrectedMission, ARobotThatIsCarriedFindsItsPlaceByTheMap) {
+  ExplorationRunOptions options;
+  options.seed = 1;
+  const auto world = std::make_shared<const World>(load_world("office"));
+  const RunRecord record =
+      run_exploration(world,
+                      configuration_from_text("mission: {time_limit: 130}\n"
+                                              "simulator: {carried: [60, 1.3, 5.2, 100]}\n",
+                                              "carried"),
+                      options)
+          .record;
+  double farthest = 0.0;
+  for (const StepRecord& s : record.steps) farthest = std::max(farthest, s.localization_error);
+  const StepRecord& last = record.steps.back();
+  std::printf("%.2f m off, %.3f m at the end\n", farthest, last.localization_error);
+  EXPECT_GT(farthest, 2.0);
+  EXPECT_TRUE(found_its_place(record));
+  EXPECT_LT(last.localization_error, 0.15);
+  EXPECT_EQ(record.summary.collisions, 0);
+}
+
+TEST(CorrectedMission, BeginsAnywhereInAMapThatWasMadeBefore) {
+  ExplorationRunOptions options;
+  options.seed = 1;
+  const auto world = std::make_shared<const World>(load_world("office"));
+  const ExplorationRunResult first = run_exploration(
+      world, configuration_from_text("mission: {time_limit: 60}\n", "first"), options);
+  const std::string map =
+      (std::filesystem::temp_directory_path() / ("begins anywhere " + std::to_string(::getpid())))
+          .string() +
+      ".bt";
+  write_octree(*first.map, map);
+  World elsewhere = *world;
+  const StepRecord& there = first.record.steps[first.record.steps.size() / 2];
+  elsewhere.start.position.head<2>() = there.true_pose.position.head<2>();
+  elsewhere.start.yaw = there.true_pose.yaw + 2.0;
+  const RunRecord record =
+      run_exploration(std::make_shared<const World>(elsewhere),
+                      configuration_from_text("mission: {time_limit: 40}\n"
+                                              "simulator: {place_known: false, map: '" +
+                                                  map + "'}\n",
+                                              "second"),
+                      options)
+          .record;
+  std::filesystem::remove(map);
+  EXPECT_TRUE(found_its_place(record));
+  EXPECT_LT(record.steps.back().localization_error, 0.15);
+  EXPECT_EQ(record.summary.collisions, 0);
 }
 
 }  // namespace
