@@ -126,6 +126,7 @@ void WheelFusion::take_reference() {
   P_ = (J * P_ * J.transpose()).eval();
   detour_.setZero();
   detour_covariance_.setZero();
+  unsure_detour_ = false;
 }
 
 Vector3d WheelFusion::pose() const {
@@ -353,11 +354,11 @@ void WheelFusion::work_in(const VisualMotion& visual) {
       visual_ = Localization::kDegraded;
       visual_reason_ = "wheels and vision disagree";
       contradicted_ = often;
-      if (visual.becomes_reference && sure) {
+      // Who is right is not known yet: a reference of the wheels' making would settle it.
+      if (visual.becomes_reference) {
         detour_ = measured;
         detour_covariance_ = noise;
-      } else if (visual.becomes_reference) {
-        take_reference();
+        unsure_detour_ = unsure_detour_ || !sure;
       }
       return;
     }
@@ -366,6 +367,10 @@ void WheelFusion::work_in(const VisualMotion& visual) {
     P_.middleRows<3>(kMotion).setZero();
     P_.middleCols<3>(kMotion).setZero();
     P_.block<3, 3>(kMotion, kMotion) = noise;
+    // Of two that may be right, as likely as each other, it is one: the covariance covers both.
+    if (unsure_detour_) {
+      P_.block<3, 3>(kMotion, kMotion) += 0.5 * innovation * innovation.transpose();
+    }
     visual_ = Localization::kDegraded;
     visual_reason_ = "the wheels have slipped";
   } else {

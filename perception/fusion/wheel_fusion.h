@@ -93,8 +93,11 @@ struct FusedOdometry {
 /// A frame beyond the gate is not taken and makes the state degraded; `slips` of them in a row mean
 /// that the wheels have slipped, if vision is ok, since it has checks of its own and wheels have
 /// none: then the motion since the reference is taken from vision alone. Degraded vision may be as
-/// wrong as the wheels: what it says beyond the gate is never taken, and after `slips` frames
-/// nobody knows, the state is lost.
+/// wrong as the wheels: what it says beyond the gate is not taken, and after `slips` frames nobody
+/// knows, the state is lost, until vision is ok. References that vision takes meanwhile are counted
+/// from: the filter keeps its own until a frame is taken, so that wheels which slipped are found
+/// out. If one of them was degraded, the innovation nu is what vision or the wheels were wrong by,
+/// one as likely as the other: nu nu^T / 2 is added to the covariance of what is taken.
 ///
 /// Late frames. A frame is worked in at its own time, once the wheels have told of that time, too;
 /// at() works in those that wait, and moves the pose over the samples that came after. So a frame
@@ -160,6 +163,7 @@ class WheelFusion {
   // mostly.
   Eigen::Vector3d detour_ = Eigen::Vector3d::Zero();
   Eigen::Matrix3d detour_covariance_ = Eigen::Matrix3d::Zero();
+  bool unsure_detour_ = false;  // by way of a degraded frame
   bool has_wheels_ = false, has_visual_ = false, has_reference_ = false;
   double newest_visual_ = 0.0;  // stamp of the newest frame that was given
   Localization visual_ = Localization::kLost;
