@@ -236,8 +236,8 @@ int main_program(int argc, char** argv) {
     for (int k = 0; k < 3; ++k) table << ',' << std::sqrt(loop.expected.covariance(k, k));
     table << ',' << loop.overlap << ',' << loop.agreement << '\n';
   }
-  std::printf("{\"anchors\": %zu, \"corrections\": %d, ", anchors.size(),
-              sensors.belief(path.back().time, path.back().pose, {})->map_frame->taken);
+  const auto frame = sensors.belief(path.back().time, path.back().pose, {})->map_frame;
+  std::printf("{\"anchors\": %zu, \"corrections\": %d, ", anchors.size(), frame ? frame->taken : 0);
   steps.print("steps");
   std::printf(", ");
   guesses.print("guesses");

@@ -140,7 +140,6 @@ PerceptionPipeline::PerceptionPipeline(std::unique_ptr<Odometry> odometry,
   if (options.loops && (measured_here || options.poses_drift) && StraightMap::is_built_in()) {
     straight_ = std::make_unique<StraightMap>(
         map_, options.start_in_space ? body_pose(*options.start_in_space) : options.start);
-    corrections_.expect();
   }
   ScanMapper(scans_of(options), map_);  // says what is wrong with them now
   if (options.depth_camera) options_.more_depth_cameras.emplace(0, *options.depth_camera);

@@ -46,7 +46,7 @@ FeatureSensors::FeatureSensors(const World& world, const SimulatorOptions& optio
                   [](const auto& c) { return c.kind == CorrectionKind::kRobot; });
   const bool aligns = perception.loops && StraightMap::is_built_in();
   if (aligns || corrected) straight_ = std::make_unique<StraightMap>(mapper_, start, aligns);
-  if (straight_ || !options.corrections.empty()) corrections_.expect();
+  if (!options.corrections.empty()) corrections_.expect();
   if (options.map) {
     mapper_->load(*options.map);
     check_parameter(options.place_known || straight_, "simulator", "place_known", 0.0,
