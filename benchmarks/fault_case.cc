@@ -22,13 +22,15 @@
 #include "engine/planner/planner.h"
 #include "engine/planner/planner_guard.h"
 #include "runtime/driver.h"
+#include "runtime/watched_stream.h"
 #include "solvers/registry.h"
 
 namespace prospect {
 namespace {
 
-constexpr double kStart = 100.0;  // [s] of the clock
-constexpr int kThreads = 4;       // of a driver, with the caller of run()
+constexpr double kStart = 100.0;    // [s] of the clock
+constexpr int kThreads = 4;         // of a driver, with the caller of run()
+constexpr double kImuRate = 100.0;  // [Hz]
 
 struct Sample {
   double time = 0.0;  // [s] since the start
@@ -162,6 +164,8 @@ FaultOutcome drive_with_fault(const std::shared_ptr<const World>& world,
   const std::vector<InjectedFault>& faults = one.faults;
   SimulatorOptions simulator_options = configuration.simulator;
   simulator_options.seed = one.seed;
+  const bool has_imu = has_source(faults, FaultSource::kImu);
+  if (has_imu) simulator_options.imu.rate = kImuRate;
   Simulator simulator(world, simulator_options, configuration.perception);
   const SimulatedBaseOptions base_options;
   SimulatedBase base(simulator, clock, *configuration.robot.model, base_options);
@@ -191,12 +195,17 @@ FaultOutcome drive_with_fault(const std::shared_ptr<const World>& world,
   MissionOptions mission = configuration.mission;
   mission.time_limit = one.length;
   mission.observers = {&disk};
+  std::vector<WatchedStream> streams;
+  if (has_imu) {
+    streams = {prospect::watched(inbox, SensorStream::kImu, "imu", inbox_options.max_wheel_age)};
+  }
   Driver driver({.clock = clock,
                  .guard = guard,
                  .model = configuration.robot.model,
                  .dead_man = faulty_base.dead_man(),
                  .inbox = &inbox,
-                 .pose_of_wheels = one.by == LocalizedBy::kWheels},
+                 .pose_of_wheels = one.by == LocalizedBy::kWheels,
+                 .streams = streams},
                 faulty, PreflightResult{.checks = {}, .yaw_checked = true}, {}, mission);
   watched.look_at(driver);
   driver.run(faulty_base, watched);

@@ -53,7 +53,8 @@ Configuration fault_drive_configuration(const std::string& world,
                                         LocalizedBy by = LocalizedBy::kCameras);
 
 /// Drives the simulated robot in real time's way, by threads, on a SimulatedClock, with the
-/// configured planner. Deterministic. Throws as Simulator and Driver do.
+/// configured planner. It has an IMU where a fault is of it. Deterministic. Throws as Simulator and
+/// Driver do.
 FaultOutcome drive_with_fault(const std::shared_ptr<const World>& world,
                               const Configuration& configuration, const FaultCase& one);
 

@@ -35,6 +35,7 @@ BaseReport ToldBase::report() {
   if (by_ == LocalizedBy::kPose) {
     const std::lock_guard lock(mutex_);
     report.velocity = told_.velocity().value_or(Twist());
+    report.velocity_of_poses = true;
   }
   return report;
 }
@@ -64,6 +65,11 @@ ToldBeliefs::ToldBeliefs(ToldBase& base, Simulator& simulator, const Clock& cloc
 ToldBeliefs::~ToldBeliefs() { simulator_.deliver_to(nullptr); }
 
 void ToldBeliefs::observe(const SensorFrame& measured) {
+  if (const auto* imu = std::get_if<ImuSample>(&measured)) {
+    ImuSample later = *imu;
+    later.stamp += base_.motors().start();
+    frames_.observe(later);
+  }
   const auto* scan = std::get_if<ScanFrame>(&measured);
   if (!scan) return;
   ScanFrame later = *scan;

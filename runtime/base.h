@@ -26,6 +26,9 @@ struct BaseReport {
   /// then `connected` is false.
   double stamp = 0.0;
   Twist velocity;  ///< measured, in B
+  /// The velocity is not the base's own word: it is made of the poses that the robot is told
+  /// (PoseVelocity), so it confirms nothing that they say.
+  bool velocity_of_poses = false;
   /// Wheel motion measured since the report before, oldest first. Stamps are the base's own where
   /// it has a clock (SensorInbox shifts them into the runtime's), else the runtime's.
   std::vector<WheelSample> wheels;

@@ -156,7 +156,8 @@ void CommandFollowing::add(Witness& witness, double from, double until,
 }
 
 void CommandFollowing::add_wheels(const BaseReport& base) {
-  if (!base.connected || !is_finite(base.velocity)) {
+  pose_first_ = base.velocity_of_poses;
+  if (!base.connected || !is_finite(base.velocity) || base.velocity_of_poses) {
     wheels_.forget();
     return;
   }
@@ -207,42 +208,57 @@ void CommandFollowing::add_gyro(double now, const BaseReport& base,
 }
 
 bool CommandFollowing::agrees(const Witness& witness, int axis) const {
-  const Sums& sums = witness.sums[static_cast<std::size_t>(axis)];
+  if (!witness.stamp) return false;
+  const auto at = static_cast<std::size_t>(axis);
+  const Sums& sums = witness.sums[at];
   const auto most = [](const std::array<double, 2>& of) { return std::max(of[0], of[1]); };
-  return witness.stamp && (most(sums.more) >= 0.5 * limit(axis, true) ||
-                           most(sums.slower) >= 0.5 * limit(axis, true) ||
-                           most(sums.less) >= 0.5 * limit(axis, false));
+  return most(sums.more) >= 0.5 * limit(axis, true) ||
+         most(sums.slower) >= 0.5 * limit(axis, true) ||
+         most(sums.less) >= 0.5 * limit(axis, false);
+}
+
+double CommandFollowing::more_by(const Witness& witness, int axis, std::size_t side,
+                                 double times) const {
+  if (!witness.stamp) return 0.0;
+  const auto at = static_cast<std::size_t>(axis);
+  const double more = witness.sums[at].more[side];
+  return more >= times * limit(axis, true) ? more : 0.0;
+}
+
+double CommandFollowing::less_by(const Witness& witness, int axis, std::size_t side) const {
+  if (!witness.stamp) return 0.0;
+  const Sums& sums = witness.sums[static_cast<std::size_t>(axis)];
+  const double slower = sums.slower[side], less = sums.less[side];
+  return std::max(slower >= limit(axis, true) ? slower : 0.0,
+                  less >= limit(axis, false) ? less : 0.0);
 }
 
 std::optional<Departure> CommandFollowing::departure(int axis, std::size_t side) const {
-  const auto at = static_cast<std::size_t>(axis);
-  const double more = limit(axis, true), less = limit(axis, false);
   const bool gyro = axis == kYaw && gyro_.stamp;
   const bool by_wheels = agrees(wheels_, axis), by_pose = agrees(pose_, axis);
   const bool by_gyro = gyro && agrees(gyro_, axis);
-  const auto made = [&](const Sums& sums, double by) {
+  const auto made = [&](const Witness& witness, double by) {
     std::string who;
     for (const auto& [agreed, name] :
          {std::pair(by_wheels, "wheels"), {by_pose, "pose"}, {by_gyro, "gyro"}}) {
       if (agreed) who += (who.empty() ? "" : " and ") + std::string(name);
     }
+    const Sums& sums = witness.sums[static_cast<std::size_t>(axis)];
     return Departure{axis, kSides[side] * by, sums.told.low, sums.told.high, sums.measured, who};
   };
-  const Sums& wheels = wheels_.sums[at];
-  if ((wheels.more[side] >= more || wheels.slower[side] >= more || wheels.less[side] >= less) &&
-      (by_pose || by_gyro || (!pose_.stamp && !gyro))) {
-    return made(wheels, std::max({wheels.more[side], wheels.slower[side], wheels.less[side]}));
-  }
-  const Sums& pose = pose_.sums[at];
-  if (pose.more[side] >= 2.0 * more && (!gyro || by_gyro)) return made(pose, pose.more[side]);
-  const Sums& turned = gyro_.sums[at];
+  const Witness& first = pose_first_ ? pose_ : wheels_;
+  const bool other = by_gyro || (!pose_first_ && by_pose);
+  const bool alone = !gyro && (pose_first_ || !pose_.stamp);
+  const double by_first = std::max(more_by(first, axis, side), less_by(first, axis, side));
+  if (by_first > 0.0 && (other || alone)) return made(first, by_first);
+
+  const double by_one = more_by(pose_, axis, side, 2.0);
+  if (by_one > 0.0 && (!gyro || by_gyro)) return made(pose_, by_one);
+
   if (!gyro) return std::nullopt;
-  if (turned.more[side] >= more && (by_wheels || by_pose || !pose_.stamp)) {
-    return made(turned, turned.more[side]);
-  }
-  if ((turned.slower[side] >= more || turned.less[side] >= less) && (by_wheels || !pose_.stamp)) {
-    return made(turned, std::max(turned.slower[side], turned.less[side]));
-  }
+  const double turned_more = more_by(gyro_, axis, side), turned_less = less_by(gyro_, axis, side);
+  if (turned_more > 0.0 && (by_wheels || by_pose || !pose_.stamp)) return made(gyro_, turned_more);
+  if (turned_less > 0.0 && (by_wheels || !pose_.stamp)) return made(gyro_, turned_less);
   return std::nullopt;
 }
 

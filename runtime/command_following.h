@@ -86,11 +86,13 @@ std::string to_text(const Departure& departure);
 /// One sample adds at most a third of the limit: one alone decides nothing. Who stands as it is
 /// told to begins the sums anew.
 ///
-/// A base does not follow, where a witness agrees that has half of what it takes on that axis, to
-/// whatever side (so a pose that stands still does not deny what others say),
-///   * if by the wheels a sum is beyond its limit (more, slower: more_distance; less:
-///     less_distance; turn), and another witness agrees, or there is none: wheels that lie are not
-///     a base that goes astray;
+/// First is who tells first how the base moves: the wheels; the pose, where the base measures
+/// nothing itself (BaseReport::velocity_of_poses). A base does not follow, where a witness agrees
+/// that has half of what it takes on that axis, to whatever side (so a pose that stands still does
+/// not deny what others say),
+///   * if by the first a sum is beyond its limit (more, slower: more_distance; less:
+///     less_distance; turn), and another witness agrees, or there is none: wheels that
+///     lie are not a base that goes astray;
 ///   * if by the pose it makes twice the limit of `more`, and a gyro that is there agrees. Less by
 ///     the pose alone is no fault of the base: wheels slip, the body touches something, a picture
 ///     stands still;
@@ -143,6 +145,10 @@ class CommandFollowing {
   double limit(int axis, bool more) const;
   /// Whether a witness is there, and has half of what it takes on an axis, to whatever side.
   bool agrees(const Witness& witness, int axis) const;
+  /// What a witness has of more to that side [m] or [rad], if that is `times`
+  /// its limit; else 0.
+  double more_by(const Witness& witness, int axis, std::size_t side, double times = 1.0) const;
+  double less_by(const Witness& witness, int axis, std::size_t side) const;  // likewise
   /// To that side (0: +1, 1: -1), by whichever witness has enough.
   std::optional<Departure> departure(int axis, std::size_t side) const;
 
@@ -150,6 +156,7 @@ class CommandFollowing {
   ActuationDelay delay_;
   std::deque<ToldCommand> told_;
   Witness wheels_, pose_, gyro_;
+  bool pose_first_ = false;
   GyroRate gyro_rate_;
   Pose newest_pose_;        // at pose_.stamp
   double pose_came_ = 0.0;  // [s] when it was looked at first

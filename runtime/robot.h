@@ -31,7 +31,8 @@ struct Robot {
   std::shared_ptr<SensorInbox> frames;  ///< where its sensors' frames come
   std::shared_ptr<BeliefSource>
       beliefs{};                        ///< of a robot that perceives by itself; null: frames do
-  std::vector<SensorStream> streams{};  ///< of frames: those that it needs; else none
+  /// Of frames: those that it needs; of one that perceives by itself, an IMU's or none.
+  std::vector<SensorStream> streams{};
   std::shared_ptr<Truth> truth{};       ///< null: nobody knows
 
   Pose start;                            ///< of B in W, when it was made

@@ -20,7 +20,7 @@
 #include "models/image.h"
 #include "runtime/clock.h"
 #include "runtime/clock_offset.h"
-#include "runtime/frame_sink.h"
+#include "runtime/image_sink.h"
 #include "runtime/pose_jump.h"
 #include "runtime/sensor_frame.h"
 
@@ -34,18 +34,6 @@ inline constexpr std::size_t kSensorStreams = 8;
 std::string_view to_string(SensorStream stream);
 /// Of a depth sensor from 1 on: "depth sensor 1".
 std::string sensor_name(int sensor);
-
-/// What one camera delivers, shared, not copied: an image; or, of a camera that is a model, the
-/// estimate that perception would have made with it. Neither: it is empty.
-struct CameraContent {
-  CameraContent() = default;
-  CameraContent(Image picture) : image(std::make_shared<const Image>(std::move(picture))) {}
-  CameraContent(std::shared_ptr<const Image> picture) : image(std::move(picture)) {}
-  CameraContent(std::shared_ptr<const Belief> made) : estimate(std::move(made)) {}
-
-  std::shared_ptr<const Image> image;
-  std::shared_ptr<const Belief> estimate;
-};
 
 /// The newest raw ranges, and those before them, for who looks at them without perception. Null:
 /// none has come so far.
@@ -127,7 +115,7 @@ struct StreamCount {
 /// Thread-safety: any thread, but take() and wait() are for one. No lock is held for longer than a
 /// frame is moved. Never throws after construction; the constructor throws std::invalid_argument on
 /// options out of range.
-class SensorInbox final : public FrameSink {
+class SensorInbox final : public ImageSink {
  public:
   SensorInbox(const Clock& clock, const SensorInboxOptions& options);
 
@@ -135,8 +123,8 @@ class SensorInbox final : public FrameSink {
   /// A correction is of the time at which it comes, and of no stream; beyond the capacity it takes
   /// the place of the newest.
   void observe(const SensorFrame& frame) override;
-  void left(double stamp, CameraContent content);
-  void right(double stamp, CameraContent content);
+  void left(double stamp, CameraContent content) override;
+  void right(double stamp, CameraContent content) override;
   void pair(double left_stamp, double right_stamp, ImagePair images);
   void wheels(const WheelSample& sample);
   void depth(double stamp, DepthImage image);

@@ -85,6 +85,13 @@ TEST(FaultCase, NoFaultEndsInAContactOrASilentStall) {
       {"wheels:slow", "base silent", 0.39, true},
       {"wheels:delayed", "", 0.0, false},
       {"wheels:intermittent", "", 0.0, false},
+      {"imu:off", "source stale", 0.6, false},
+      {"imu:stuck", "", 0.0, false},
+      {"imu:garbage", "source stale", 0.6, false},
+      {"imu:wrong", "", 0.0, false},
+      {"imu:slow", "source stale", 0.6, false},
+      {"imu:delayed", "", 0.0, false},
+      {"imu:intermittent", "source stale", 0.6, false},
       {"clock:stuck", "source stale", 0.6, false},
       {"clock:garbage", "source stale", 0.6, false},
       {"clock:wrong", "clock jumped", 0.33, false},
@@ -139,8 +146,8 @@ TEST(FaultCase, NoFaultEndsInAContactOrASilentStall) {
   }
 }
 
-// One goes by its wheels; the other is told its pose, which tells its speed, too. On a straight way
-// it is hardly told to turn, so `mirrored` shows later where poses alone tell of it.
+// One goes by its wheels; the other is told its pose, and nothing else tells how it moves.
+// On a straight way it is hardly told to turn, so `mirrored` shows later.
 TEST(FaultCase, RobotsWithoutCamerasNameABaseThatGoesAstray) {
   for (const LocalizedBy by : {LocalizedBy::kWheels, LocalizedBy::kPose}) {
     const Configuration configuration = fault_drive_configuration("corridor", by);

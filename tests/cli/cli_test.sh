@@ -93,8 +93,6 @@ GAZEBO_MASTER_URI=http://127.0.0.2:2 refused "a port of Gazebo that the configur
   --base gazebo --set gazebo.port=1 --out none
 GAZEBO_MASTER_URI=127.0.0.1:1 refused "an address of Gazebo that is none" GAZEBO_MASTER_URI "expected http://ADDRESS:PORT" \
   drive --base gazebo --out none
-refused "a fault over DDS" --fault "expected it with --base simulator|gazebo" drive --base dds \
-  --fault depth:off --out none
 refused "a stepped simulator" --lockstep "expected it with --base gazebo" drive office --lockstep --out none
 refused "a fault in lockstep" --fault "expected it without --lockstep" drive --base gazebo --lockstep \
   --fault depth:off --out none

@@ -31,6 +31,7 @@ struct World {
   double wheel_noise = 0.0, pose_noise = 0.0;  // [m/s] and [m], standard deviations
   double pose_delay = 0.0;                     // [s]
   bool has_pose = true;
+  bool by_poses = false;  // the base measures nothing: its velocity is made of the poses
   unsigned seed = 1;
   // Of time since the fault and the command: what the base makes of it.
   std::function<Twist(double, const Twist&)> fault{};
@@ -74,6 +75,7 @@ std::optional<Noticed> drive(const World& w, double length,
     report.connected = true;
     report.stamp = now;
     report.velocity = velocity;
+    report.velocity_of_poses = w.by_poses;
     report.velocity.linear.x() += w.wheel_noise * noise(random);
     report.velocity.yaw_rate += 3.0 * w.wheel_noise * noise(random);
     if (w.wheels) w.wheels(now, report.velocity);
@@ -233,11 +235,34 @@ TEST(CommandFollowing, EachWayNotToFollowIsNoticedWithinASecondOrThirtyCentimetr
   }
 }
 
+// Who measures nothing but where it is has one witness, and no other that could deny it.
+TEST(CommandFollowing, ByPosesAloneEachWayNotToFollowIsNoticedWithinASecondOrThirtyCentimetres) {
+  for (const Verb& verb : verbs()) {
+    for (const double speed : {0.2, 0.6}) {
+      for (unsigned seed = 1; seed <= 5; ++seed) {
+        World w;
+        w.seed = seed;
+        w.fault = verb.made;
+        w.from = 2.0;
+        w.by_poses = true;
+        w.pose_noise = 0.003;
+        const auto found = drive(w, 8.0, steadily(speed, 0.5));
+        ASSERT_TRUE(found) << verb.name;
+        EXPECT_GE(found->after, 0.0) << verb.name;
+        EXPECT_TRUE(found->after <= 1.0 || found->way <= 0.3)
+            << verb.name << ": " << found->after << " s, " << found->way << " m";
+        EXPECT_EQ(found->what.witness, "pose") << verb.name;
+      }
+    }
+  }
+}
+
 // Who holds a heading tells small turns, until they are made the other way.
 TEST(CommandFollowing, AMirroredBaseThatIsToldToDriveStraightIsNoticedBeforeItGoesAstray) {
   for (const double gain : {1.0, 2.0, 4.0}) {  // [1/s]
-    for (unsigned seed = 1; seed <= 5; ++seed) {
+    for (unsigned seed = 1; seed <= 10; ++seed) {
       World w;
+      w.by_poses = seed % 2 == 0;
       w.seed = seed;
       w.fault = verbs()[1].made;
       w.from = 2.0;
@@ -253,6 +278,37 @@ TEST(CommandFollowing, AMirroredBaseThatIsToldToDriveStraightIsNoticedBeforeItGo
       ASSERT_TRUE(found) << gain << ", seed " << seed;
       EXPECT_EQ(found->what.axis, 2);
       EXPECT_LT(found->turned, 0.25) << gain << ", seed " << seed;
+    }
+  }
+}
+
+// A heading that is held against what pulls at it: what is told and what is made are against each
+// other until nothing is left of it.
+TEST(CommandFollowing, WhoHoldsAHeadingAgainstWhatPullsIsNotBlamed) {
+  for (const double pull : {0.02, -0.04, 0.08}) {  // [rad/m]
+    for (const double gain : {1.0, 3.0}) {         // [1/s]
+      for (const bool by_poses : {false, true}) {
+        for (unsigned seed = 1; seed <= 10; ++seed) {
+          World w;
+          w.seed = seed;
+          w.by_poses = by_poses;
+          w.wheel_noise = 0.01, w.pose_noise = 0.002, w.delay = 0.1, w.yaw_gain = 0.87;
+          w.from = 10.0;
+          // From there on, and in turn the other way.
+          w.fault = [=](double since, const Twist& t) {
+            const double side = std::fmod(since, 20.0) < 10.0 ? 1.0 : -1.0;
+            return Twist{t.linear, t.yaw_rate + side * pull * t.linear.x()};
+          };
+          Pose seen;
+          w.pose = [&](double, Pose& p) { seen = p; };
+          const auto found = drive(w, 60.0, [&](double now) {
+            return Twist{{std::min(0.6, 0.8 * now), 0.0, 0.0},
+                         std::clamp(-gain * seen.yaw, -1.0, 1.0)};
+          });
+          ASSERT_FALSE(found) << pull << ", " << gain << ", seed " << seed << ": "
+                              << to_text(found->what);
+        }
+      }
     }
   }
 }
@@ -416,6 +472,17 @@ TEST(CommandFollowing, LegalDrivesAreNotBlamed) {
          };
        })},
       {"without a pose", with([](World& w) { w.has_pose = false, w.delay = 0.2; })},
+      {"by poses alone, slip, late", with([](World& w) {
+         w.by_poses = true, w.pose_noise = 0.003, w.delay = 0.15, w.yaw_gain = 0.87;
+         w.acceleration = 1.0, w.turning = 3.0;
+       })},
+      {"by noisy poses alone", with([](World& w) { w.by_poses = true, w.pose_noise = 0.01; })},
+      {"pulls to one side, by poses alone", with([](World& w) {
+         w.by_poses = true, w.pose_noise = 0.003, w.from = 0.0;
+         w.fault = [](double, const Twist& t) {
+           return Twist{t.linear, t.yaw_rate + 0.08 * t.linear.x()};
+         };
+       })},
   };
   for (const Case& c : cases) {
     for (unsigned seed = 1; seed <= 20; ++seed) {

@@ -342,6 +342,9 @@ void read_gazebo(YamlMap map, GazeboOptions& gazebo) {
   gazebo.stereo = map.text("stereo", gazebo.stereo, "sensor multicamera: left, then right");
   const std::string depth = map.text("depth", gazebo.depth, "sensor depth; none: there is none");
   gazebo.depth = depth == "none" ? "" : depth;
+  const std::string imu = map.text("imu", gazebo.imu.empty() ? "none" : gazebo.imu,
+                                   "sensor imu at the link's origin; none: there is none");
+  gazebo.imu = imu == "none" ? "" : imu;
   gazebo.left_wheel = map.text("left_wheel", gazebo.left_wheel, "link of the model");
   gazebo.right_wheel = map.text("right_wheel", gazebo.right_wheel, "link of the model");
 }

@@ -13,8 +13,10 @@ ExplorationRunResult explore_dds(const Configuration& given, const DdsOptions& t
   SensorInboxOptions inbox = inbox_of(c);
   // What tf connects is of one clock.
   inbox.one_clock = inbox.one_clock || !topics.has_stereo();
-  const Robot robot = make_robot(DdsRobotConfiguration{
-      .topics = topics, .robot = c.robot, .inbox = inbox, .requests = options.requests});
+  DdsRobotConfiguration made{
+      .topics = topics, .robot = c.robot, .inbox = inbox, .requests = options.requests};
+  if (options.real_time) made.faults = options.real_time->faults;
+  const Robot robot = make_robot(made);
   take_settings(robot, c);
   return live_mission(robot, c, c.guard, nullptr, options);
 }

@@ -17,7 +17,7 @@ namespace prospect {
 /// Throws before observers are asked for, when nothing has been sent to the base: InputError, a
 /// line each, for calibrations and transforms that do not come, and topics that do not fit;
 /// NotBuiltIn; std::invalid_argument for an unknown solver or options out of range.
-/// options.real_time is not looked at.
+/// Faults of options.real_time are injected, in the time since the robot was made.
 ExplorationRunResult explore_dds(const Configuration& configuration, const DdsOptions& robot,
                                  const ExplorationRunOptions& options);
 

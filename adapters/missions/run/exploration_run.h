@@ -37,7 +37,7 @@ class SolverRegistry;
 /// A mission in real time, by threads, instead of in lockstep (driver.h), driven by
 /// Configuration::drive.
 struct RealTimeRun {
-  std::vector<InjectedFault> faults;  ///< of the robot, of the simulator or Gazebo
+  std::vector<InjectedFault> faults;  ///< of the robot, whatever it is
 };
 
 /// One simulated mission: world, configuration and seed in, records out.

@@ -61,16 +61,16 @@ std::optional<PreflightFacts::Floor> floor_in(const SensorInbox& inbox, const Ra
 /// many depth sensors it has.
 std::vector<WatchedStream> streams_of(const Robot& robot, std::size_t sensors,
                                       const Guard::Options& limits, double max_imu_age) {
+  std::vector<WatchedStream> streams;
   if (robot.beliefs) {
     const auto stamp = [](double SourceStamps::*of) {
       return [of](const Belief* newest) {
         return newest ? std::optional(newest->stamps.*of) : std::nullopt;
       };
     };
-    return {{"cameras", limits.max_pose_age, stamp(&SourceStamps::pose)},
-            {"depth", limits.max_ranges_age, stamp(&SourceStamps::ranges)}};
+    streams = {{"cameras", limits.max_pose_age, stamp(&SourceStamps::pose)},
+               {"depth", limits.max_ranges_age, stamp(&SourceStamps::ranges)}};
   }
-  std::vector<WatchedStream> streams;
   for (const SensorStream stream : robot.streams) {
     const bool ranges = stream == SensorStream::kDepth || stream == SensorStream::kScan;
     const bool pairs = stream == SensorStream::kPair;
@@ -81,7 +81,7 @@ std::vector<WatchedStream> streams_of(const Robot& robot, std::size_t sensors,
                               : imu  ? max_imu_age
                                      : limits.max_pose_age));
   }
-  for (int n = 1; n < static_cast<int>(sensors); ++n) {
+  for (int n = 1; !robot.beliefs && n < static_cast<int>(sensors); ++n) {
     streams.push_back(watched_sensor(*robot.frames, n, limits.max_ranges_age));
   }
   return streams;

@@ -2,6 +2,7 @@
 #include "adapters/missions/run/user_run.h"
 
 #include "adapters/missions/run/live_mission.h"
+#include "adapters/robots/user/joined_robots.h"
 #include "adapters/robots/user/make_robot.h"
 
 namespace prospect {
@@ -9,6 +10,7 @@ namespace prospect {
 ExplorationRunResult explore_user(const Configuration& c, const UserRobot& user,
                                   const ExplorationRunOptions& options) {
   check_drives(c);
+  check_streams(user);
   UserRobotConfiguration made{.user = user,
                               .robot = c.robot,
                               .options = c.base,

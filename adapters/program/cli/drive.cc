@@ -70,9 +70,6 @@ int drive(const DriveArguments& arguments, const Invocation& in) {
     throw InputError("--lockstep: given with --check; expected a robot in real time");
   }
   if (name == "dds") {
-    if (!faults.empty()) {
-      throw InputError("--fault: nothing stands between; expected it with --base simulator|gazebo");
-    }
     if (arguments.measure) {
       throw InputError("--measure: nobody knows what is true; expected it with --base gazebo");
     }
@@ -81,6 +78,7 @@ int drive(const DriveArguments& arguments, const Invocation& in) {
     }
     base.dds = read_dds_options(arguments.ros, ros_arguments(arguments.ros_arguments.remap,
                                                              arguments.ros_arguments.parameters));
+    base.real_time.emplace(RealTimeRun{faults});
     return mission(logged, in.registries, base, in.signals);
   }
   if (!arguments.ros_arguments.remap.empty() || !arguments.ros_arguments.parameters.empty()) {

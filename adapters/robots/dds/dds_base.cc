@@ -258,6 +258,7 @@ BaseReport DdsBase::report() noexcept {
     const std::lock_guard lock(impl_->mutex);
     report.connected = listens && impl_->heard.has_value();
     report.stamp = impl_->heard.value_or(0.0);
+    report.velocity_of_poses = o.odometry.empty();
     report.velocity = impl_->velocity;
     report.wheels = std::exchange(impl_->wheels, {});
     if (impl_->heard && !o.odometry.empty() &&

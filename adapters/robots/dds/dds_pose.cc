@@ -40,11 +40,11 @@ Eigen::Matrix4d of_body(const Covariance6& told, const Eigen::Vector3d& arm) {
 
 struct DdsPose::Impl {
   Impl(const DdsOptions& given, const DdsNode& its_node, const DdsTransforms& its_transforms,
-       SensorInbox& its_inbox, DdsBase* its_base)
+       FrameSink& its_frames, DdsBase* its_base)
       : options(given),
         node(its_node),
         transforms(its_transforms),
-        inbox(its_inbox),
+        frames(its_frames),
         base(its_base) {}
 
   void take(std::string_view cdr, const std::string& name) {
@@ -87,7 +87,7 @@ struct DdsPose::Impl {
     }
     pose.covariance = of_body(known, arm);
     pose.T_OB = transforms.find(options.frames.odom, options.frames.base, stamp);
-    inbox.observe(pose);
+    frames.observe(pose);
     if (base) base->add_pose(stamp, T_WB);
     const std::lock_guard lock(mutex);
     first = first.value_or(body_pose(T_WB));
@@ -110,7 +110,7 @@ struct DdsPose::Impl {
   const DdsOptions options;
   const DdsNode& node;
   const DdsTransforms& transforms;
-  SensorInbox& inbox;
+  FrameSink& frames;
   DdsBase* const base;
   mutable std::mutex mutex;
   mutable std::condition_variable came;
@@ -118,8 +118,8 @@ struct DdsPose::Impl {
 };
 
 DdsPose::DdsPose(const DdsOptions& options, DdsNode& node, DdsTransforms& transforms,
-                 SensorInbox& inbox, DdsBase* base)
-    : impl_(std::make_shared<Impl>(options, node, transforms, inbox, base)) {
+                 FrameSink& frames, DdsBase* base)
+    : impl_(std::make_shared<Impl>(options, node, transforms, frames, base)) {
   const auto impl = impl_;
   if (options.pose_source == DdsOptions::PoseSource::kTf) {
     transforms.follow(

@@ -8,11 +8,11 @@
 #include "adapters/robots/dds/dds_options.h"
 #include "adapters/robots/dds/dds_transforms.h"
 #include "models/types.h"
-#include "runtime/sensor_inbox.h"
+#include "runtime/frame_sink.h"
 
 namespace prospect {
 
-/// Where a robot behind topics of ROS 2 is, as something else tells it: into a SensorInbox, with
+/// Where a robot behind topics of ROS 2 is, as something else tells it: handed on with
 /// the stamps of its measurements, and to its base, if one is given.
 ///
 /// By tf: frames.base in frames.map, at the newest stamp that all between them is known at, each
@@ -26,11 +26,11 @@ namespace prospect {
 ///
 /// A message with another frame, without a stamp, or that is no pose is left out, and is a fault of
 /// its topic (DdsNode::fault()). Declares its topics on the node: make it before DdsNode::start().
-/// Inbox, transforms, base and node must outlive it, and the first three the node's thread.
+/// `frames`, transforms, base and node must outlive it, and the first three the node's thread.
 /// Thread-safety: any thread.
 class DdsPose {
  public:
-  DdsPose(const DdsOptions& options, DdsNode& node, DdsTransforms& transforms, SensorInbox& inbox,
+  DdsPose(const DdsOptions& options, DdsNode& node, DdsTransforms& transforms, FrameSink& frames,
           DdsBase* base = nullptr);
   ~DdsPose();
 

@@ -53,8 +53,8 @@ std::string size_text(double width, double height) {
 
 struct DdsSensors::Impl {
   Impl(const DdsOptions& given, DdsNode& its_node, DdsTransforms& its_transforms,
-       SensorInbox& its_inbox)
-      : options(given), node(its_node), transforms(its_transforms), inbox(its_inbox) {}
+       ImageSink& its_sink)
+      : options(given), node(its_node), transforms(its_transforms), sink(its_sink) {}
 
   /// Null: not known yet. Throws InputError if the camera's calibration is another one by now.
   std::shared_ptr<const Reading> reading(Camera camera, const std::string& name) const {
@@ -99,16 +99,15 @@ struct DdsSensors::Impl {
       DepthImage image =
           scaled_depth(raw, floats ? 1.0 : depth->per_metre, {depth->min_range, depth->max_range});
       if (!image.whole()) throw InputError(name + ": no depths; expected encoding 16UC1 or 32FC1");
-      return inbox.observe(DepthFrame{stamp, std::make_shared<const DepthImage>(std::move(image)),
-                                      static_cast<int>(camera - kDepthCamera)});
+      return sink.observe(DepthFrame{stamp, std::make_shared<const DepthImage>(std::move(image)),
+                                     static_cast<int>(camera - kDepthCamera)});
     }
     Image grey = grey_image(raw, raw.kind == RawImage::Kind::k16 ? 16 : 8, name);
     if (by->rectification) {
       grey = camera == kLeftCamera ? by->rectification->left(grey.view())
                                    : by->rectification->right(grey.view());
     }
-    camera == kLeftCamera ? inbox.left(stamp, std::move(grey))
-                          : inbox.right(stamp, std::move(grey));
+    camera == kLeftCamera ? sink.left(stamp, std::move(grey)) : sink.right(stamp, std::move(grey));
   }
 
   /// Throws unless an image is of the frame that its place is known of: that of its camera_info
@@ -150,7 +149,7 @@ struct DdsSensors::Impl {
     for (auto* points : {&rays.hits, &rays.misses}) {
       for (Eigen::Vector3d& p : *points) p = T * p;
     }
-    inbox.observe(
+    sink.observe(
         ScanFrame{stamp, std::make_shared<const DepthScan>(std::move(rays)), nullptr, sensor});
   }
 
@@ -171,7 +170,7 @@ struct DdsSensors::Impl {
     if (without_slash(told.header.frame) != options.frames.base) {
       told.sample.R_BS = Eigen::Quaterniond(in_base(told.header, name).linear());
     }
-    inbox.observe(told.sample);
+    sink.observe(told.sample);
   }
 
   static DdsLidar lidar_of(const RosLaserScan& scan, const Eigen::Isometry3d& T) {
@@ -311,7 +310,7 @@ struct DdsSensors::Impl {
   const DdsOptions options;
   DdsNode& node;
   DdsTransforms& transforms;
-  SensorInbox& inbox;
+  ImageSink& sink;
   mutable std::mutex mutex;
   mutable std::condition_variable came;
   std::array<std::optional<ReceivedInfo>, kCameras> infos;
@@ -322,8 +321,8 @@ struct DdsSensors::Impl {
 };
 
 DdsSensors::DdsSensors(const DdsOptions& options, DdsNode& node, DdsTransforms& transforms,
-                       SensorInbox& inbox)
-    : impl_(std::make_shared<Impl>(options, node, transforms, inbox)) {
+                       ImageSink& frames)
+    : impl_(std::make_shared<Impl>(options, node, transforms, frames)) {
   const auto impl = impl_;
   const auto info = [&](const std::string& topic, Camera camera) {
     if (topic.empty()) return;

@@ -11,7 +11,7 @@
 #include "adapters/robots/dds/dds_options.h"
 #include "adapters/robots/dds/dds_transforms.h"
 #include "models/camera.h"
-#include "runtime/sensor_inbox.h"
+#include "runtime/image_sink.h"
 
 namespace prospect {
 
@@ -36,7 +36,7 @@ struct DdsCameras {
 };
 
 /// The sensors of a robot behind topics of ROS 2: images become grey and rectified, depths metres,
-/// scans and clouds rays in B, and all goes into a SensorInbox with the stamps of its headers.
+/// scans and clouds rays in B, and all is handed on with the stamps of its headers.
 ///
 /// A message that does not fit (encoding, size other than its camera_info's, bytes that end early,
 /// an image of a camera whose camera_info has changed since wait(), a lidar whose frame tf does not
@@ -44,12 +44,12 @@ struct DdsCameras {
 /// topic (DdsNode::fault()) until a good one comes.
 ///
 /// Declares its topics on the node: make it before DdsNode::start(). Throws InputError if images
-/// come compressed and OpenCV's codecs cannot be loaded. Inbox, transforms and node
-/// must outlive it, and inbox and transforms the node's thread. Thread-safety: any thread.
+/// come compressed and OpenCV's codecs cannot be loaded. `frames`, transforms and node
+/// must outlive it, and the first two the node's thread. Thread-safety: any thread.
 class DdsSensors {
  public:
   DdsSensors(const DdsOptions& options, DdsNode& node, DdsTransforms& transforms,
-             SensorInbox& inbox);
+             ImageSink& frames);
   ~DdsSensors();
 
   /// Waits until calibrations, a scan of a robot without depth images, and the transforms that are

@@ -16,6 +16,8 @@
 #include "adapters/robots/dds/dds_sensors.h"
 #include "adapters/robots/dds/dds_transforms.h"
 #include "adapters/robots/dds/robot_with_cameras.h"
+#include "adapters/robots/faults/faulty_base.h"
+#include "adapters/robots/faults/faulty_frames.h"
 
 namespace prospect {
 namespace {
@@ -33,15 +35,18 @@ struct DdsParts {
                                          : nullptr),
         requests(o.requests ? *o.requests : own_requests),
         clock(simulation ? simulation->clock() : machine),
-        inbox(clock, inbox_options(o)),
+        start(clock.now()),
+        inbox(clock, FaultyFrames::inbox_options(inbox_options(o), o.faults)),
+        frames(clock, inbox, o.faults, start, {o.topics.depth.min_range, o.topics.depth.max_range}),
         node(o.topics.address),
         transforms(node, o.topics.tf, o.topics.tf_static),
         base(o.topics, node, transforms, clock, o.requests, o.inbox.pose_jump),
-        sensors(o.topics, node, transforms, inbox),
+        faulty_base(base, clock, o.faults, start),
+        sensors(o.topics, node, transforms, frames),
         publisher(o.topics, node, base, clock, o.robot.model, requests),
         commands(o.topics, node, transforms, requests),
         navigation(o.topics, node, transforms, base, clock, requests) {
-    if (o.topics.is_told_its_pose()) pose.emplace(o.topics, node, transforms, inbox, &base);
+    if (o.topics.is_told_its_pose()) pose.emplace(o.topics, node, transforms, frames, &base);
     node.start();
   }
   ~DdsParts() { node.stop(); }
@@ -51,10 +56,13 @@ struct DdsParts {
   DriveRequests own_requests;                        // of who gives none, and reads none
   DriveRequests& requests;
   const Clock& clock;
+  const double start;  // [s] of the faults
   SensorInbox inbox;
+  FaultyFrames frames;
   DdsNode node;
   DdsTransforms transforms;
   DdsBase base;
+  FaultyBase faulty_base;
   const DdsSensors sensors;
   std::optional<DdsPose> pose;  // none: it localizes itself, by cameras or wheels
   DdsPublisher publisher;
@@ -77,7 +85,7 @@ Robot make_robot(const DdsRobotConfiguration& options) {
   Robot robot;
   robot.name = "dds";
   robot.clock = {parts, &parts->clock};
-  robot.base = {parts, &parts->base};
+  robot.base = {parts, &parts->faulty_base};
   robot.frames = {parts, &parts->inbox};
   robot.streams = {cameras.depth ? SensorStream::kDepth : SensorStream::kScan};
   if (!options.topics.odometry.empty()) robot.streams.push_back(SensorStream::kWheels);
@@ -86,7 +94,7 @@ Robot make_robot(const DdsRobotConfiguration& options) {
   if (cameras.stereo) robot.streams.insert(robot.streams.begin(), SensorStream::kPair);
   if (parts->pose) robot.start = parts->pose->wait();
   robot.start.position.z() = options.robot.base_height();
-  robot.made = parts->clock.now();
+  robot.made = parts->start;
   robot.simulated_time = options.topics.use_sim_time;
   robot.depth = cameras.depth;
   robot.more_depth = cameras.more_depth;

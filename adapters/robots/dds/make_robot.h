@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <vector>
+
 #include "adapters/robots/dds/dds_options.h"
+#include "adapters/robots/faults/injected_fault.h"
 #include "models/robot_description.h"
 #include "runtime/drive_requests.h"
 #include "runtime/robot.h"
@@ -15,6 +18,8 @@ struct DdsRobotConfiguration {
   RobotDescription robot;
   SensorInboxOptions inbox{};
   DriveRequests* requests = nullptr;  ///< as of DdsBase; null: nobody
+  /// But for those of planner and disk; their times count from when it is made.
+  std::vector<InjectedFault> faults{};
 };
 
 /// It begins at the origin of W, looking along x; one that is told its pose, where that says.

@@ -33,6 +33,12 @@ template <class Content, class Send>
 void FaultyFrames::pass(std::initializer_list<FaultSource> sources, Stream<Content>& stream,
                         double stamp, Content content, double now, const Send& send) {
   const double time = now - start_;
+  // No frame is as old as that when it comes.
+  constexpr double kOneClock = 10.0;  // [s]
+  if (!stream.ahead) stream.ahead = std::abs(stamp - now) < kOneClock ? 0.0 : stamp - now;
+  const auto told_by_sensors = [&](double at) {
+    return sensors_clock(faults_, start_, at - *stream.ahead, time) + *stream.ahead;
+  };
   const auto has = [&](FaultVerb verb) {
     return std::any_of(sources.begin(), sources.end(),
                        [&](FaultSource source) { return holds(source, verb, time); });
@@ -45,9 +51,8 @@ void FaultyFrames::pass(std::initializer_list<FaultSource> sources, Stream<Conte
   };
   if (has(FaultVerb::kDelayed)) {
     stream.late.emplace_back(stamp, std::move(content));
-    while (!stream.late.empty() && stream.late.front().first <= now - kFaultDelay) {
-      put(sensors_clock(faults_, start_, stream.late.front().first, time),
-          std::move(stream.late.front().second));
+    while (!stream.late.empty() && stream.late.front().first - *stream.ahead <= now - kFaultDelay) {
+      put(told_by_sensors(stream.late.front().first), std::move(stream.late.front().second));
       stream.late.pop_front();
     }
     return;
@@ -60,7 +65,7 @@ void FaultyFrames::pass(std::initializer_list<FaultSource> sources, Stream<Conte
       (has(FaultVerb::kSlow) && now - stream.sent < kSlowFrames)) {
     return;
   }
-  const double told = sensors_clock(faults_, start_, stamp, time);
+  const double told = told_by_sensors(stamp);
   if (!has(FaultVerb::kStuck) || !stream.newest) return put(told, std::move(content));
   // One camera of a pair that hangs gives its newest image once more; two, or a depth sensor, whose
   // driver stamps what it reads, give old data with new stamps.
@@ -94,8 +99,7 @@ void FaultyFrames::observe(const SensorFrame& frame) {
                                FaultSource::kCameras, FaultSource::kClock});
   const auto* const image = std::get_if<DepthFrame>(&frame);
   const auto* const rays = std::get_if<ScanFrame>(&frame);
-  if ((image && image->sensor != 0) || (rays && rays->sensor != 0) ||
-      std::holds_alternative<ImuSample>(frame)) {
+  if ((image && image->sensor != 0) || (rays && rays->sensor != 0)) {
     SensorFrame told = frame;
     const double time = clock_.now() - start_;
     std::visit(
@@ -117,9 +121,22 @@ void FaultyFrames::observe(const SensorFrame& frame) {
     cameras(estimate->stamp, content, content);
   } else if (const auto* measured = std::get_if<ExternalPose>(&frame); measured && of_cameras) {
     pose(*measured);
+  } else if (const auto* sample = std::get_if<ImuSample>(&frame);
+             sample && any({FaultSource::kImu, FaultSource::kClock})) {
+    imu(*sample);
   } else {
     inbox_.observe(frame);
   }
+}
+
+void FaultyFrames::left(double stamp, CameraContent content) {
+  const std::lock_guard lock(mutex_);
+  camera(FaultSource::kLeftCamera, left_, stamp, std::move(content), clock_.now());
+}
+
+void FaultyFrames::right(double stamp, CameraContent content) {
+  const std::lock_guard lock(mutex_);
+  camera(FaultSource::kRightCamera, right_, stamp, std::move(content), clock_.now());
 }
 
 void FaultyFrames::cameras(double stamp, CameraContent left, CameraContent right) {
@@ -139,6 +156,22 @@ void FaultyFrames::pose(const ExternalPose& measured) {
            pose.T_WB.translation().setConstant(std::numeric_limits<double>::quiet_NaN());
          }
          inbox_.observe(pose);
+       });
+}
+
+void FaultyFrames::imu(const ImuSample& measured) {
+  const std::lock_guard lock(mutex_);
+  const double now = clock_.now(), time = now - start_;
+  pass({FaultSource::kImu}, imu_, measured.stamp, measured, now,
+       [&](double told, ImuSample sample) {
+         sample.stamp = told;
+         if (holds(FaultSource::kImu, FaultVerb::kWrong, time)) {
+           sample.angular_velocity += sample.R_BS.conjugate() * Eigen::Vector3d(0.0, 0.0, kGyroOff);
+         }
+         if (holds(FaultSource::kImu, FaultVerb::kGarbage, time)) {
+           sample.angular_velocity.setConstant(std::numeric_limits<double>::quiet_NaN());
+         }
+         inbox_.observe(sample);
        });
 }
 

@@ -18,13 +18,13 @@
 
 namespace prospect {
 
-/// Stereo pairs, poses, depth images and scans of any robot on their way into an inbox, with
-/// injected faults of cameras, depth sensor and their clock (injected_fault.h). A pose from outside
-/// has the faults of both cameras, an IMU those of their clock. Without a fault of theirs they pass
-/// as they are.
+/// Stereo pairs, poses, depth images, scans and samples of an IMU of any robot on their way into an
+/// inbox, with injected faults of cameras, depth sensor, IMU and their clock (injected_fault.h). A
+/// pose from outside has the faults of both cameras. Without a fault of theirs they pass as they
+/// are.
 ///
 /// Thread-safety: any thread. Nothing throws after construction, but for want of memory.
-class FaultyFrames final : public FrameSink {
+class FaultyFrames final : public ImageSink {
  public:
   /// inbox and clock outlive it; the time of the faults begins at `start` [s]. `range` [m]: what
   /// depth:garbage lies in.
@@ -36,6 +36,8 @@ class FaultyFrames final : public FrameSink {
                                           const std::vector<InjectedFault>& faults);
 
   void observe(const SensorFrame& frame) override;
+  void left(double stamp, CameraContent content) override;
+  void right(double stamp, CameraContent content) override;
 
  private:
   struct Scan {
@@ -49,6 +51,7 @@ class FaultyFrames final : public FrameSink {
     std::optional<Content> newest;  // as sent last
     double stamp = 0.0;             // [s] that it had
     double sent = -1e9;             // [s]
+    std::optional<double> ahead;    // [s] of its source's own clock; 0: it is the runtime's
     std::deque<std::pair<double, Content>> late;
   };
   bool holds(FaultSource source, FaultVerb verb, double time) const {
@@ -56,7 +59,7 @@ class FaultyFrames final : public FrameSink {
   }
   bool any(std::initializer_list<FaultSource> sources) const;
   /// Calls send(stamp in the sensors' clock, content) for what of a stream is to be sent now: what
-  /// the faults of its sources make late, rare or old. stamp: in the runtime's clock.
+  /// the faults of its sources make late, rare or old. stamp: in the source's clock.
   template <class Content, class Send>
   void pass(std::initializer_list<FaultSource> sources, Stream<Content>& stream, double stamp,
             Content content, double now, const Send& send);
@@ -64,6 +67,7 @@ class FaultyFrames final : public FrameSink {
               CameraContent content, double now);
   void cameras(double stamp, CameraContent left, CameraContent right);
   void pose(const ExternalPose& measured);
+  void imu(const ImuSample& measured);
   double any_range();  // [m]
 
   const Clock& clock_;
@@ -76,6 +80,7 @@ class FaultyFrames final : public FrameSink {
   Stream<ExternalPose> pose_;
   Stream<DepthImage> depth_;
   Stream<Scan> scan_;
+  Stream<ImuSample> imu_;
   std::uint64_t random_ = 1;
 };
 

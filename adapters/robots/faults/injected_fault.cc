@@ -67,6 +67,16 @@ constexpr std::array kKinds = {
               "the measured velocity is 0.3 s old"},
     FaultKind{FaultSource::kWheels, FaultVerb::kIntermittent, true,
               "the measured velocity is zero in every other half second"},
+    FaultKind{FaultSource::kImu, FaultVerb::kOff, true, "no sample comes"},
+    FaultKind{FaultSource::kImu, FaultVerb::kStuck, true,
+              "it repeats its newest sample, with new stamps"},
+    FaultKind{FaultSource::kImu, FaultVerb::kGarbage, true, "its samples are no numbers"},
+    FaultKind{FaultSource::kImu, FaultVerb::kWrong, true,
+              "its gyro tells 0.4 rad/s more to the left than there are"},
+    FaultKind{FaultSource::kImu, FaultVerb::kSlow, true, "a sample comes every 1.2 s"},
+    FaultKind{FaultSource::kImu, FaultVerb::kDelayed, true, "samples come 0.3 s late"},
+    FaultKind{FaultSource::kImu, FaultVerb::kIntermittent, true,
+              "none comes in every other second"},
     FaultKind{FaultSource::kClock, FaultVerb::kOff, false,
               "frames without a clock have no stamps: clock:garbage"},
     FaultKind{FaultSource::kClock, FaultVerb::kStuck, true,
@@ -178,6 +188,8 @@ std::string_view to_string(FaultSource source) {
       return "depth";
     case FaultSource::kWheels:
       return "wheels";
+    case FaultSource::kImu:
+      return "imu";
     case FaultSource::kClock:
       return "clock";
     case FaultSource::kPlanner:
@@ -241,10 +253,18 @@ const FaultKind* fault_kind(FaultSource source, FaultVerb verb) {
 
 std::string fault_table() {
   std::string text = "| source | verb | what happens |\n|---|---|---|\n";
-  for (const FaultKind& kind : kKinds) {
-    text += "| `" + std::string(to_string(kind.source)) + "` | `" +
-            std::string(to_string(kind.verb)) + "` | " + (kind.implemented ? "" : "refused: ") +
-            std::string(kind.text) + " |\n";
+  for (auto kind = kKinds.begin(); kind != kKinds.end(); ++kind) {
+    const auto is_same = [&](const FaultKind& other) {
+      return other.verb == kind->verb && other.text == kind->text;
+    };
+    if (!kind->implemented || std::any_of(kKinds.begin(), kind, is_same)) continue;
+    std::string sources;
+    for (auto other = kind; other != kKinds.end(); ++other) {
+      if (!is_same(*other)) continue;
+      sources += (sources.empty() ? "`" : ", `") + std::string(to_string(other->source)) + '`';
+    }
+    text += "| " + sources + " | `" + std::string(to_string(kind->verb)) + "` | " +
+            std::string(kind->text) + " |\n";
   }
   return text;
 }
@@ -312,9 +332,13 @@ double command_sleep(const std::vector<InjectedFault>& faults, double time) {
   return 0.0;
 }
 
-bool has_sensors_clock(const std::vector<InjectedFault>& faults) {
+bool has_source(const std::vector<InjectedFault>& faults, FaultSource source) {
   return std::any_of(faults.begin(), faults.end(),
-                     [](const InjectedFault& f) { return f.source == FaultSource::kClock; });
+                     [&](const InjectedFault& f) { return f.source == source; });
+}
+
+bool has_sensors_clock(const std::vector<InjectedFault>& faults) {
+  return has_source(faults, FaultSource::kClock);
 }
 
 double sensors_clock(const std::vector<InjectedFault>& faults, double start, double at,

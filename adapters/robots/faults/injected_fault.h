@@ -16,7 +16,8 @@ enum class FaultSource {
   kRightCamera,
   kCameras,  ///< both
   kDepth,
-  kWheels,   ///< the encoders, by which the base measures its velocity
+  kWheels,  ///< the encoders, by which the base measures its velocity
+  kImu,
   kClock,    ///< of the sensors
   kPlanner,  ///< its thread
   kCommand,  ///< likewise
@@ -42,8 +43,8 @@ enum class FaultVerb {
   kOneWheel
 };
 inline constexpr int kFaultVerbs = static_cast<int>(FaultVerb::kOneWheel) + 1;
-/// "left-camera", "right-camera", "cameras", "depth", "wheels", "clock", "planner", "command",
-/// "link", "disk", "base".
+/// "left-camera", "right-camera", "cameras", "depth", "wheels", "imu", "clock", "planner",
+/// "command", "link", "disk", "base".
 std::string_view to_string(FaultSource source);
 /// "off", "stuck", "garbage", "wrong", "slow", "delayed", "intermittent", "inverted", "mirrored",
 /// "double", "ignores", "runaway", "one-wheel".
@@ -69,6 +70,7 @@ inline constexpr double kLinkOnOff = 0.5;          ///< [s] likewise of a link
 inline constexpr double kSlowLink = 0.4;           ///< [s] from one command that passes to the next
 inline constexpr double kCameraSkew = 0.02;        ///< [s] of the wrong stamps of one camera
 inline constexpr double kDepthScale = 1.1;         ///< of depths that are too long
+inline constexpr double kGyroOff = 0.4;            ///< [rad/s] by which a gyro is wrong
 inline constexpr double kClockStep = 5.0;          ///< [s]
 inline constexpr double kClockRate = 0.8;          ///< of a clock that is slow
 inline constexpr double kSlowPlanner = 0.4;        ///< [s] that a step takes longer
@@ -88,7 +90,8 @@ struct FaultKind {
 std::span<const FaultKind> fault_kinds();
 /// Null: that source has no such verb.
 const FaultKind* fault_kind(FaultSource source, FaultVerb verb);
-/// All of them as a table, Markdown.
+/// Those that are implemented as a table, Markdown; sources of which one verb does the same share a
+/// row.
 std::string fault_table();
 
 /// "depth:off", "planner:stuck@10+2": from 10 s on, for 2 s. Throws std::invalid_argument for what
@@ -104,6 +107,7 @@ bool off_at_times(const std::vector<InjectedFault>& faults, FaultSource source, 
 /// [s] that the command thread sleeps at a time.
 double command_sleep(const std::vector<InjectedFault>& faults, double time);
 
+bool has_source(const std::vector<InjectedFault>& faults, FaultSource source);
 /// Whether the sensors have a clock of their own: one of its faults is among them.
 bool has_sensors_clock(const std::vector<InjectedFault>& faults);
 /// `at` [s] in the runtime's clock, in the sensors' clock as it is `time` [s] after `start`.

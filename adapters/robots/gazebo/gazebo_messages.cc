@@ -148,6 +148,17 @@ GazeboDepth read_gazebo_depth(std::string_view message, const DepthRange& range)
           depth_image(metres.data(), width, static_cast<int>(image.height()), width, range)};
 }
 
+ImuSample read_gazebo_imu(std::string_view message) {
+  const auto in = read<msgs::IMU>(message, "IMU");
+  const auto vector = [](const msgs::Vector3d& v) { return Eigen::Vector3d(v.x(), v.y(), v.z()); };
+  ImuSample out;
+  out.stamp = seconds(in.stamp());
+  out.angular_velocity = vector(in.angular_velocity());
+  out.linear_acceleration = vector(in.linear_acceleration());
+  if (!out.finite()) throw std::runtime_error("a sample of an IMU that is not finite");
+  return out;
+}
+
 std::string gazebo_velocity(const Twist& velocity, bool turned_yaw) {
   const double turn = std::clamp(velocity.yaw_rate, -kFastestTurn, kFastestTurn);
   const double half = 0.5 * (turned_yaw ? -turn : turn);
@@ -175,6 +186,7 @@ namespace {
 GazeboPoses read_gazebo_poses(std::string_view) { absent(); }
 GazeboPair read_gazebo_pair(std::string_view) { absent(); }
 GazeboDepth read_gazebo_depth(std::string_view, const DepthRange&) { absent(); }
+ImuSample read_gazebo_imu(std::string_view) { absent(); }
 std::string gazebo_velocity(const Twist&, bool) { absent(); }
 }  // namespace prospect
 

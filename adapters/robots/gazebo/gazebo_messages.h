@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "models/image.h"
+#include "models/imu_sample.h"
 #include "models/types.h"
 #include "perception/mapping/depth_image.h"
 
@@ -58,6 +59,9 @@ struct GazeboDepth {
   DepthImage image;
 };
 GazeboDepth read_gazebo_depth(std::string_view message, const DepthRange& range);
+
+/// gazebo.msgs.IMU of a sensor along the axes of B.
+ImuSample read_gazebo_imu(std::string_view message);
 
 /// gazebo.msgs.Pose as DiffDrivePlugin takes it for a velocity: x is the speed [m/s], the yaw of
 /// the orientation the yaw rate [rad/s], turned round if `turned_yaw`. A yaw rate is cut at 3

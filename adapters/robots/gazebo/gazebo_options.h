@@ -22,6 +22,7 @@ struct GazeboOptions {
   std::string stereo = "stereo";            ///< sensor multicamera: left, then right
   std::string depth = "depth";              ///< sensor depth, the others depth_1, ...; empty: none
   int depth_sensors = 1;                    ///< so many has the robot (depth_sensors())
+  std::string imu;                          ///< sensor imu, at the link's origin; empty: none
   std::string left_wheel = "left_wheel";    ///< link
   std::string right_wheel = "right_wheel";  ///< link
   int depth_width = 320;                    ///< [px]; the height follows from the field of view

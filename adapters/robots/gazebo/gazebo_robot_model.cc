@@ -133,6 +133,10 @@ std::string gazebo_robot_model(const RobotDescription& robot, const GazeboRobotO
                   names.depth_range.max + 1.0)
         << "</camera></sensor>\n";
   }
+  if (!names.imu.empty()) {
+    out << "<sensor name=\"" << names.imu << "\" type=\"imu\"><always_on>1</always_on>"
+        << "<update_rate>100</update_rate></sensor>\n";
+  }
   out << "</link>\n";
   for (const int sign : {1, -1}) {
     const std::string& wheel = sign > 0 ? names.left_wheel : names.right_wheel;

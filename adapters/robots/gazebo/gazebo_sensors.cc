@@ -35,6 +35,14 @@ struct GazeboSensors::Impl {
                 image.stamp, std::make_shared<const DepthImage>(std::move(image.image)), sensor});
           });
     }
+    if (!options.imu.empty()) {
+      receiver.subscribe(prefix + options.imu + "/imu", "gazebo.msgs.IMU",
+                         [&frames, &clock](std::string_view message) {
+                           const ImuSample sample = read_gazebo_imu(message);
+                           clock.tick(sample.stamp);
+                           frames.observe(sample);
+                         });
+    }
     receiver.start();
   }
 

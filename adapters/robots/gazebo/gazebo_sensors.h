@@ -11,9 +11,9 @@
 
 namespace prospect {
 
-/// Cameras of a robot in Gazebo: its stereo pairs and depth images are handed on as they come. They
-/// set the clock to their time before. A thread of its own receives them until the object ends;
-/// clock and frames (the inbox, or what stands before it) must live longer.
+/// Cameras and IMU of a robot in Gazebo: its stereo pairs, depth images and samples are handed on
+/// as they come. They set the clock to their time before. A thread of its own receives them until
+/// the object ends; clock and frames (the inbox, or what stands before it) must live longer.
 ///
 /// Thread-safety: any thread. Errors: the constructor throws as GazeboReceiver does. Later nothing
 /// throws: see faults().

@@ -70,6 +70,7 @@ Robot make_robot(const GazeboRobotConfiguration& options) {
   robot.base = {parts, &parts->faulty_base};
   robot.frames = {parts, &parts->inbox};
   robot.streams = {SensorStream::kPair, SensorStream::kDepth, SensorStream::kWheels};
+  if (!options.gazebo.imu.empty()) robot.streams.push_back(SensorStream::kImu);
   robot.start = parts->first.pose;
   robot.start.position.z() = options.robot.base_height();
   robot.made = parts->first.stamp;

@@ -76,6 +76,7 @@ Robot make_robot(const SimulatedRobotConfiguration& options) {
   robot.base = {parts, &parts->faulty_base};
   robot.frames = {parts, &parts->inbox};
   robot.beliefs = {parts, &parts->beliefs};
+  if (options.simulator.imu.rate > 0.0) robot.streams = {SensorStream::kImu};
   robot.truth = {parts, &parts->base};
   robot.start = parts->simulator.true_pose();
   robot.made = parts->base.start();

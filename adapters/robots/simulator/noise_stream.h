@@ -22,7 +22,8 @@ enum class NoiseStream : std::uint64_t {
   kDepthMount,
   kLight,
   kDirt,
-  kPeople
+  kPeople,
+  kImu
 };
 std::uint64_t stream_seed(std::uint64_t seed, NoiseStream stream);
 

@@ -44,7 +44,7 @@ void take_cameras(const Belief& from, Belief& to) {
 
 SensorInboxOptions simulated_inbox(SensorInboxOptions options) {
   options.cameras_in_runtime_clock = options.depth_in_runtime_clock =
-      options.scan_in_runtime_clock = true;
+      options.scan_in_runtime_clock = options.imu_in_runtime_clock = true;
   return options;
 }
 
@@ -65,10 +65,11 @@ SimulatedStreams::~SimulatedStreams() { simulator_.deliver_to(nullptr); }
 
 void SimulatedStreams::observe(const SensorFrame& measured) {
   const SensorFrame frame = later(measured, base_.start());
-  const bool ranges =
-      std::holds_alternative<ScanFrame>(frame) || std::holds_alternative<DepthFrame>(frame);
   // What cameras and wheels have measured is in the estimate.
-  if (ranges) frames_.observe(frame);
+  if (std::holds_alternative<ScanFrame>(frame) || std::holds_alternative<DepthFrame>(frame) ||
+      std::holds_alternative<ImuSample>(frame)) {
+    frames_.observe(frame);
+  }
   tell(observers_, &MissionObserver::on_frame, frame);
 }
 

@@ -15,6 +15,7 @@
 #include "adapters/robots/simulator/known_free.h"
 #include "adapters/robots/simulator/noise_stream.h"
 #include "adapters/robots/simulator/seen_area.h"
+#include "adapters/robots/simulator/simulated_imu.h"
 #include "adapters/robots/simulator/walkers.h"
 #include "engine/maps/correction.h"
 #include "models/body_transform.h"
@@ -62,6 +63,8 @@ struct Simulator::Impl {
   SeenArea seen;
   std::optional<Walkers> walkers;
   std::unique_ptr<SimulatedSensors> sensors;
+  SimulatedImu imu;
+  FrameSink* sink = nullptr;
 
   double time = 0.0;
   double lost_time = 0.0;
@@ -76,7 +79,8 @@ struct Simulator::Impl {
         mapping(checked_mapping_options(o, perception.mapping)),
         robot(*world, o.shape, o.actuation, start_of(*world, o),
               stream_seed(o.seed, NoiseStream::kActuation), mapping.slice.step),
-        seen(*world, mapping.slice) {
+        seen(*world, mapping.slice),
+        imu(o.imu, stream_seed(o.seed, NoiseStream::kImu)) {
     const std::vector<Disc> cleared = free_about(robot.pose());
     for (const SimulatorOptions::Carried& c : o.carried) {
       Pose to = c.to;
@@ -184,7 +188,11 @@ void Simulator::apply(const Twist& twist, double duration) {
     double next = std::max(s.time, std::min({end, next_image, next_scan}));
     if (s.walkers) next = std::min(next, s.time + kStride);
     if (next > s.time) {
+      const Pose before = s.robot.pose();
       if (!s.robot.move(s.twist, next - s.time)) s.twist = Twist{};
+      for (const ImuSample& sample : s.imu.moved(before, s.time, s.robot.pose(), next)) {
+        if (s.sink != nullptr) s.sink->observe(sample);
+      }
       if (s.sensors->localization() == Localization::kLost) s.lost_time += next - s.time;
       s.time = next;
       s.walk();
@@ -195,7 +203,10 @@ void Simulator::apply(const Twist& twist, double duration) {
   s.time = end;
 }
 
-void Simulator::deliver_to(FrameSink* sink) { impl_->sensors->deliver_to(sink); }
+void Simulator::deliver_to(FrameSink* sink) {
+  impl_->sink = sink;
+  impl_->sensors->deliver_to(sink);
+}
 void Simulator::leave_ranges() { impl_->sensors->leave_ranges(); }
 void Simulator::enter(double stamp, const SensorFrame& ranges) {
   impl_->sensors->enter(stamp, ranges);

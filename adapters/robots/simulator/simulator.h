@@ -49,7 +49,7 @@ class Simulator {
   /// [s], taking images and scans on the way. On contact the robot stands still for the rest of it.
   void apply(const Twist& twist, double duration);
 
-  // As SimulatedSensors.
+  // As SimulatedSensors. Samples of an IMU are delivered, too.
   void deliver_to(FrameSink* sink);
   void leave_ranges();
   void enter(double stamp, const SensorFrame& ranges);

@@ -13,6 +13,7 @@
 #include "adapters/robots/simulator/landmark_builder.h"
 #include "adapters/robots/simulator/odometry_model.h"
 #include "adapters/robots/simulator/simulated_base_options.h"
+#include "adapters/robots/simulator/simulated_imu.h"
 #include "adapters/robots/simulator/simulator_options.h"
 #include "adapters/robots/simulator/walkers.h"
 #include "models/depth_sensors.h"
@@ -161,6 +162,18 @@ PerceptionOptions simulated_perception(const WheelNoise& wheels) {
   return perception;
 }
 
+void describe(Knobs& knobs, SimulatedImuOptions& o) {
+  knobs.number("rate", o.rate, {0.0, 1000.0}, "1/s", "samples; 0: the robot has no IMU");
+  knobs.number("gyro_bias", o.gyro_bias, {0.0, 1.0}, "rad/s",
+               "of each axis, one standard deviation, drawn for a mission");
+  knobs.number("gyro_noise", o.gyro_noise, {0.0, 1.0}, "rad/s",
+               "of a sample, one standard deviation");
+  knobs.number("acceleration_bias", o.acceleration_bias, {0.0, 10.0}, "m/s2",
+               "of each axis, one standard deviation, drawn for a mission");
+  knobs.number("acceleration_noise", o.acceleration_noise, {0.0, 10.0}, "m/s2",
+               "of a sample, one standard deviation");
+}
+
 void describe(Knobs& knobs, SimulatorOptions& o) {
   knobs.choice("sensors", o.sensors, {"model", "camera"},
                "odometry as a model of its errors, or rendered images through perception");
@@ -174,6 +187,7 @@ void describe(Knobs& knobs, SimulatorOptions& o) {
   knobs.group("features", [&] { describe(knobs, o.features); });
   knobs.group("landmarks", [&] { describe(knobs, o.landmarks); });
   knobs.group("wheels", [&] { describe(knobs, o.wheels); });
+  knobs.group("imu", [&] { describe(knobs, o.imu); });
   knobs.group("camera", [&] { describe(knobs, o.camera); });
   knobs.group("walkers", [&] { describe(knobs, o.walkers); });
 }

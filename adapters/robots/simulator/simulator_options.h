@@ -14,6 +14,7 @@
 #include "adapters/robots/simulator/kinematic_robot.h"
 #include "adapters/robots/simulator/landmark_builder.h"
 #include "adapters/robots/simulator/odometry_model.h"
+#include "adapters/robots/simulator/simulated_imu.h"
 #include "adapters/robots/simulator/walkers.h"
 #include "engine/maps/correction.h"
 #include "models/camera.h"
@@ -93,6 +94,7 @@ struct SimulatorOptions {
   OdometryOptions odometry;
   LandmarkBuilderOptions landmarks;  ///< density is that of the robot's perception
   WheelNoise wheels = kSimulatedWheels;
+  SimulatedImuOptions imu;
 
   /// A map of the same world to begin with, in W (OccupancyMapper::load); null: none. What it knows
   /// counts as seen, if it is known where in it the robot starts; else the robot looks for its

@@ -2,6 +2,7 @@
 #include "adapters/robots/user/joined_robots.h"
 
 #include <algorithm>
+#include <initializer_list>
 #include <set>
 #include <stdexcept>
 #include <string>
@@ -48,6 +49,30 @@ void check(const UserRobot& robot) {
       throw std::invalid_argument(robot.name + ": two options are named '" + option.name +
                                   "'; expected names that differ");
     }
+  }
+}
+
+void check_streams(const UserRobot& robot) {
+  std::string names;
+  for (const SensorStream stream : robot.streams) {
+    names += (names.empty() ? "" : ", ") + std::string(to_string(stream));
+  }
+  const auto has_one_of = [&](std::initializer_list<SensorStream> streams) {
+    return std::ranges::any_of(robot.streams, [&](SensorStream stream) {
+      return std::ranges::find(streams, stream) != streams.end();
+    });
+  };
+  const std::string what = robot.name + ": of its streams (" + names + ") none ";
+  using enum SensorStream;
+  if (!has_one_of({kDepth, kScan})) {
+    throw std::invalid_argument(what +
+                                "measures ranges; expected depth or scan, also beside cameras: one "
+                                "camera measures no depth, and a pair is not mapped from");
+  }
+  if (!has_one_of({kPair, kPose, kWheels})) {
+    throw std::invalid_argument(what +
+                                "says where it is; expected pair, pose or wheels: one camera does "
+                                "not localize it");
   }
 }
 

@@ -487,9 +487,14 @@ TEST(KnobMembers, EveryNumberAndSwitchIsAKnob) {
     SimulatorOptions o;
     [[maybe_unused]] auto& [seed, sensors, shape, base_height, actuation, depth_mount, depth,
                             depth_rate, more_depth, stereo_mount, features, image_rate, odometry,
-                             landmarks, wheels, map, place_known, camera, walkers, corrections,
-                             carried] = o;
+                            landmarks, wheels, imu, map, place_known, camera, walkers, corrections,
+                            carried] = o;
     EXPECT_KNOBS(o, place_known, depth_rate, image_rate, walkers.count, walkers.keep);
+  }
+  {
+    SimulatedImuOptions o;
+    auto& [rate, gyro_bias, gyro_noise, acceleration_bias, acceleration_noise] = o;
+    EXPECT_KNOBS(o, rate, gyro_bias, gyro_noise, acceleration_bias, acceleration_noise);
   }
 }
 

@@ -128,5 +128,23 @@ TEST(LidarMission, DrivesByMotionCaptureAlone) {
     EXPECT_LT(event.severity, Severity::kError) << event.text;
 }
 
+// Faults on purpose are those of each robot.
+TEST(LidarMission, ABaseThatIsBrokenOnPurposeIsNoticedBeforeItDrives) {
+  const Configuration c = configuration_from_text(
+      kRobot + "drive: {preflight: {turn: 0.15, distance: 0.03}}\nmission: {time_limit: 60}\n",
+      "lidar");
+  const World world = rooms();
+  const DdsOptions topics = topics_of(DdsOptions::PoseSource::kTf);
+  test::DdsLidarRobot robot(world, c.robot, topics, test::dds_test_address("robot"));
+  ExplorationRunOptions options;
+  options.real_time = RealTimeRun{{parse_fault("base:mirrored")}};
+  const ExplorationRunResult result = explore_dds(c, topics, options);
+  robot.stop();
+  EXPECT_EQ(result.record.summary.end, MissionEnd::kNotFit);
+  EXPECT_THAT(result.record.summary.detail, ::testing::HasSubstr("yaw"));
+  EXPECT_EQ(robot.body().collisions(), 0);
+  EXPECT_LT(robot.body().path_length(), 0.1);
+}
+
 }  // namespace
 }  // namespace prospect::lidar_mission_test

@@ -149,6 +149,19 @@ TEST(DdsOptions, ARobotThatIsToldItsPoseNeedsNoCameras) {
   EXPECT_EQ(wheels.output.map, "/map");
 }
 
+// Ranges come from something else, and what localizes it are not its features.
+TEST(DdsOptions, OneCameraWithAPoseOfAnotherMeasuresNoRanges) {
+  const std::string pose = "command: {dead_man: 0.5}\npose: {from: tf}\n";
+  EXPECT_THAT(refusal(pose + "depth: {image: none}\n"),
+              HasSubstr("nothing measures ranges; expected depth.image, scan or point_cloud"));
+  const std::string camera = "stereo: {left: /camera/image_rect, right: none, right_info: none}\n";
+  EXPECT_THAT(refusal(pose + camera + "scan: /scan\n"), HasSubstr("pose.from says that it is not"));
+  EXPECT_THAT(refusal("command: {dead_man: 0.5}\n" + camera),
+              HasSubstr("one camera measures no depth; expected its pair, or pose.from with what "
+                        "measures ranges"));
+  EXPECT_FALSE(read(pose + "scan: /scan\n").has_stereo());
+}
+
 TEST(DdsOptions, OfVelocitiesAloneNobodyKnowsWhereOdomIs) {
   const std::string rest = "command: {dead_man: 0.5}\nodometry_type: TwistStamped\n";
   EXPECT_EQ(read(rest).odometry_type, "geometry_msgs/msg/TwistStamped");

@@ -81,6 +81,35 @@ TEST(GazeboSensors, PutsPairsAndDepthsIntoTheInbox) {
   EXPECT_TRUE(soon([&] { return !sensors.connected(); }));
 }
 
+TEST(GazeboSensors, AnImuThatTheRobotHasGoesIntoTheInbox) {
+  FakeGazebo gazebo;
+  const SteadyClock machine;
+  SimulationClock clock(machine);
+  SensorInbox inbox(clock, in_runtime_clock({}));
+  GazeboOptions options = gazebo.options();
+  options.imu = "imu";
+  const std::string topic = "/gazebo/room/robot/base/imu/imu";
+  const GazeboSensors sensors(options, clock, inbox);
+  ASSERT_TRUE(soon([&] { return gazebo.subscribers(topic) == 1 && sensors.connected(); }));
+  gazebo::msgs::IMU sample;
+  sample.mutable_stamp()->set_sec(7);
+  sample.mutable_stamp()->set_nsec(250'000'000);
+  for (auto* v : {sample.mutable_angular_velocity(), sample.mutable_linear_acceleration()}) {
+    v->set_x(0.1), v->set_y(0.2), v->set_z(0.3);
+  }
+  gazebo.publish(topic, sample);
+  ASSERT_TRUE(soon([&] { return inbox.count(SensorStream::kImu).received == 1; }));
+  const std::vector<ImuSample> came = inbox.imu_since(0.0);
+  ASSERT_EQ(came.size(), 1u);
+  EXPECT_EQ(came[0].stamp, 7.25);
+  EXPECT_EQ(came[0].yaw_rate(), 0.3);
+  EXPECT_EQ(came[0].linear_acceleration, Eigen::Vector3d(0.1, 0.2, 0.3));
+  sample.mutable_angular_velocity()->set_z(std::nan(""));
+  gazebo.publish(topic, sample);
+  ASSERT_TRUE(soon([&] { return !sensors.faults().empty(); }));
+  EXPECT_THAT(sensors.faults().front(), HasSubstr("not finite"));
+}
+
 TEST(GazeboTruth, GivesEachPoseOnce) {
   FakeGazebo gazebo;
   GazeboTruth truth(gazebo.options());

@@ -178,6 +178,22 @@ TEST(GazeboWorldFile, RefusesWhatGazeboCannotShow) {
   EXPECT_THROW(gazebo_world_files(e.world, e.mesh, robot(), still, "box"), std::invalid_argument);
 }
 
+TEST(GazeboWorldFile, TheRobotHasAnImuIfOneIsNamed) {
+  const Exported e;
+  GazeboWorldOptions options;
+  const auto sdf = [&] {
+    std::string all;
+    for (const auto& [name, content] :
+         gazebo_world_files(e.world, e.mesh, robot(), options, "box")) {
+      all += content;
+    }
+    return all;
+  };
+  EXPECT_EQ(sdf().find("type=\"imu\""), std::string::npos);
+  options.robot.names.imu = "gyro";
+  EXPECT_NE(sdf().find("<sensor name=\"gyro\" type=\"imu\">"), std::string::npos);
+}
+
 TEST(GazeboWorldFile, OurOwnReaderFindsTheSurfacesWhereTheyAre) {
   const Exported e;
   const std::filesystem::path folder = "gazebo_world_file_test";

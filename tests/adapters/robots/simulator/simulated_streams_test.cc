@@ -21,10 +21,10 @@ constexpr double kSpeed = 0.2;  // [m/s]
 /// A robot without noise that drives along x from 2 m on, with a belief every 0.05 s and a scan
 /// every 0.2 s; faults begin at 1 s, for 2 s.
 struct Drive final : MissionObserver {
-  explicit Drive(const std::string& fault, const std::string& when = "@1+2")
+  explicit Drive(const std::string& fault, const std::string& when = "@1+2", double imu_rate = 0.0)
       : faults(fault.empty() ? std::vector<InjectedFault>{}
                              : std::vector<InjectedFault>{parse_fault(fault + when)}),
-        simulator(std::make_shared<World>(test::box_room(5.0, 3.0, 2.0, 0.1)), perfect()),
+        simulator(std::make_shared<World>(test::box_room(5.0, 3.0, 2.0, 0.1)), perfect(imu_rate)),
         base(simulator, clock, model, {}),
         inbox(clock, FaultyFrames::inbox_options(simulated_inbox({}), faults)),
         frames(clock, inbox, faults, base.start(), {0.3, 4.0}),
@@ -32,8 +32,9 @@ struct Drive final : MissionObserver {
     streams.watched_by({this});
   }
 
-  static SimulatorOptions perfect() {
+  static SimulatorOptions perfect(double imu_rate) {
     SimulatorOptions options;
+    options.imu.rate = imu_rate;
     options.odometry.perfect = true;
     options.depth.columns = 16;
     options.depth.rows = 12;
@@ -139,6 +140,34 @@ TEST(SimulatedStreams, AClockThatJumpsIsCounted) {
   EXPECT_EQ(drive.inbox.count(SensorStream::kLeft).jumps, 1);
   drive.until(3.5);
   EXPECT_EQ(drive.inbox.count(SensorStream::kLeft).jumps, 2);
+}
+
+TEST(SimulatedStreams, AnImuComesThroughItsOwnFaults) {
+  const auto came = [](const char* fault, double until) {
+    Drive drive(fault, "@1+2", 100.0);
+    drive.until(until);
+    return drive.inbox.imu_since(until < 2.0 ? 0.0 : 102.0);
+  };
+  const auto well = came("", 1.5);
+  ASSERT_EQ(well.size(), 150u);
+  EXPECT_NEAR(well.back().stamp, 101.5, 1e-9);
+  EXPECT_NEAR(well.back().yaw_rate(), 0.0, 0.1);
+  EXPECT_NEAR(well.back().linear_acceleration.z(), 9.81, 1.0);
+  EXPECT_TRUE(came("imu:off", 2.9).empty());
+  EXPECT_TRUE(came("imu:garbage", 2.9).empty());
+  EXPECT_EQ(came("cameras:off", 2.9).size(), 90u);
+  const auto wrong = came("imu:wrong", 2.9);
+  ASSERT_EQ(wrong.size(), 90u);
+  EXPECT_NEAR(wrong.back().yaw_rate(), kGyroOff, 0.1);
+  const auto stuck = came("imu:stuck", 2.9);
+  ASSERT_GT(stuck.size(), 80u);
+  EXPECT_EQ(stuck.front().angular_velocity, stuck.back().angular_velocity);
+  EXPECT_GT(stuck.back().stamp, 102.85);
+  const auto late = came("imu:delayed", 2.9);
+  ASSERT_FALSE(late.empty());
+  EXPECT_NEAR(late.back().stamp, 102.6, 0.051);
+  EXPECT_LE(came("imu:slow", 2.9).size(), 2u);
+  EXPECT_LT(came("imu:intermittent", 2.95).size(), 100u);
 }
 
 TEST(SimulatedStreams, FromWhatNeverCameNothingIsKnown) {

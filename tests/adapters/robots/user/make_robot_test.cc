@@ -112,6 +112,33 @@ TEST(UserRobot, WithoutDriversItIsRefused) {
   EXPECT_THROW(made(user), std::invalid_argument);
 }
 
+// A camera alone, also with a pose of another, sees nothing that could be driven into.
+TEST(UserRobot, WithoutRangesOrAPlaceItIsRefusedInALine) {
+  using enum SensorStream;
+  const auto refusal = [](const std::vector<SensorStream>& streams) -> std::string {
+    UserRobot user = user_robot(wait);
+    user.streams = streams;
+    try {
+      check_streams(user);
+    } catch (const std::invalid_argument& e) {
+      return e.what();
+    }
+    return "";
+  };
+  for (const std::vector<SensorStream>& mono :
+       {std::vector{kLeft, kPose}, {kLeft, kWheels}, {kPose}, {kPair, kWheels}, {}}) {
+    const std::string why = refusal(mono);
+    EXPECT_NE(why.find("measures ranges; expected depth or scan"), std::string::npos) << why;
+    EXPECT_EQ(why.find('\n'), std::string::npos);
+  }
+  const std::string nowhere = refusal({kLeft, kScan});
+  EXPECT_NE(nowhere.find("says where it is; expected pair, pose or wheels"), std::string::npos);
+  for (const std::vector<SensorStream>& fit :
+       {std::vector{kLeft, kPose, kScan}, {kPose, kDepth}, {kWheels, kDepth}, {kPair, kScan}}) {
+    EXPECT_EQ(refusal(fit), "");
+  }
+}
+
 TEST(UserRobot, OfPartsEachOfWhichBringsWhatTheOtherLacks) {
   UserRobot base = user_robot(wait), sensors = user_robot(wait);
   sensors.name = "eyes";
