@@ -484,17 +484,17 @@ TEST(KnobMembers, EveryNumberAndSwitchIsAKnob) {
     EXPECT_KNOBS(o, realism, effects.dirt, texture_quality, focal_error, baseline_error, rig.blur);
   }
   {
+    SimulatedImuOptions o;
+    [[maybe_unused]] auto& [rate, gyro_bias, gyro_noise, acceleration_bias, acceleration_noise] = o;
+    EXPECT_KNOBS(o, rate, gyro_bias, gyro_noise, acceleration_bias, acceleration_noise);
+  }
+  {
     SimulatorOptions o;
     [[maybe_unused]] auto& [seed, sensors, shape, base_height, actuation, depth_mount, depth,
                             depth_rate, more_depth, stereo_mount, features, image_rate, odometry,
                             landmarks, wheels, imu, map, place_known, camera, walkers, corrections,
                             carried] = o;
     EXPECT_KNOBS(o, place_known, depth_rate, image_rate, walkers.count, walkers.keep);
-  }
-  {
-    SimulatedImuOptions o;
-    auto& [rate, gyro_bias, gyro_noise, acceleration_bias, acceleration_noise] = o;
-    EXPECT_KNOBS(o, rate, gyro_bias, gyro_noise, acceleration_bias, acceleration_noise);
   }
 }
 
@@ -586,9 +586,10 @@ TEST(KnobMembers, EveryNumberAndSwitchOfDrivingIsAKnob) {
   }
   {
     GazeboOptions o;
-    [[maybe_unused]] auto& [address, world, model, link, stereo, depth, depth_sensors, left_wheel,
-                            right_wheel, depth_width, image_noise, wheel_radius, wheel_separation,
-                            turned_yaw, dead_man, period, silence, depth_range, seed] = o;
+    [[maybe_unused]] auto& [address, world, model, link, stereo, depth, depth_sensors, imu,
+                            left_wheel, right_wheel, depth_width, image_noise, wheel_radius,
+                            wheel_separation, turned_yaw, dead_man, period, silence, depth_range,
+                            seed] = o;
     EXPECT_KNOBS(o, address.port, address.timeout, depth_width, image_noise, wheel_radius,
                  wheel_separation, turned_yaw, dead_man, period, silence);
   }
