@@ -137,7 +137,7 @@ void add_simulator(Text& text, const Configuration& c) {
   text.add(c.perception.loops);
   text.add(static_cast<int>(o.sensors)), text.add(o.depth_rate), text.add(o.image_rate);
   text.add(o.walkers.count), text.add(o.walkers.keep);
-  text.add_all(o.actuation), text.add_all(o.depth);
+  text.add_all(o.actuation), text.add_all(o.depth), text.add_all(o.imu);
   for (const ScheduledCorrection& k : o.corrections) {
     text.add(k.time), text.add(k.x), text.add(k.y), text.add(k.yaw);
     text.add(static_cast<int>(k.kind));
@@ -240,7 +240,7 @@ std::string built(Configuration c, Use use) {
     text.add_all(c.gazebo);
     const GazeboOptions& g = c.gazebo;
     for (const std::string& name : {g.address.host, g.world, g.model, g.link, g.stereo, g.depth,
-                                    g.left_wheel, g.right_wheel}) {
+                                    g.imu, g.left_wheel, g.right_wheel}) {
       text.add(name);
     }
     add_world(text, c);
