@@ -19,9 +19,8 @@
 #include <vector>
 
 #include "adapters/formats/datasets/stereo_dataset.h"
-#include "adapters/formats/files/strict_yaml.h"
-#include "adapters/missions/config/configuration.h"
 #include "benchmarks/guarded_main.h"
+#include "benchmarks/odometry_settings.h"
 #include "benchmarks/program_options.h"
 #include "perception/odometry/se3.h"
 #include "perception/odometry/stereo_odometry.h"
@@ -157,10 +156,7 @@ int main_program(int argc, char** argv) {
   program.add("--rendered", paths, "Rendered paths", {.least = 0, .most = 100});
   program.add("--set", settings, "Of perception.odometry, such as time_offset.trust=0.2");
   if (const auto end = program.parse(argc, argv)) return *end;
-  std::vector<YamlSetting> all;
-  for (const std::string& s : settings) all.emplace_back("perception.odometry." + s);
-  const StereoOdometryOptions options =
-      read_perception("", all, {}, ConfigurationUse::kOdometry).odometry;
+  const StereoOdometryOptions options = odometry_with(settings);
   std::printf(
       "| clip, frames later | late | found | deviations off | ok / degraded / lost | ms a frame | "
       "out of step |\n|---|---|---|---|---|---|---|\n");

@@ -28,11 +28,10 @@
 #include <string>
 #include <vector>
 
-#include "adapters/formats/files/strict_yaml.h"
-#include "adapters/missions/config/configuration.h"
 #include "adapters/missions/recordings/odometry_calibration.h"
 #include "adapters/missions/recordings/odometry_run.h"
 #include "benchmarks/guarded_main.h"
+#include "benchmarks/odometry_settings.h"
 #include "benchmarks/program_options.h"
 #include "benchmarks/real_cameras.h"
 #include "benchmarks/rendered_sequence.h"
@@ -242,10 +241,7 @@ int main_program(int argc, char** argv) {
               {.least = 0.0, .most = 3.0});
   program.add("--set", settings, "Of perception.odometry, such as pose.huber=2");
   if (const auto end = program.parse(argc, argv)) return *end;
-  std::vector<YamlSetting> all;
-  for (const std::string& s : settings) all.emplace_back("perception.odometry." + s);
-  const StereoOdometryOptions options =
-      read_perception("", all, {}, ConfigurationUse::kOdometry).odometry;
+  const StereoOdometryOptions options = odometry_with(settings);
   std::printf(
       "| | end error, deg | NEES: pose | 5 frames | 10 | 20 | planner 5, 10, 20 | ok / degraded / "
       "lost | keyframes | ms p50, p95 | wrong ok, others (worst) |\n"

@@ -24,9 +24,8 @@ SensorInboxOptions FaultyFrames::inbox_options(SensorInboxOptions options,
 }
 
 bool FaultyFrames::any(std::initializer_list<FaultSource> sources) const {
-  return std::any_of(faults_.begin(), faults_.end(), [&](const InjectedFault& fault) {
-    return std::find(sources.begin(), sources.end(), fault.source) != sources.end();
-  });
+  return std::any_of(sources.begin(), sources.end(),
+                     [&](FaultSource source) { return has_source(faults_, source); });
 }
 
 template <class Content, class Send>

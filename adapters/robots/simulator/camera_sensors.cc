@@ -8,6 +8,7 @@
 
 #include "adapters/robots/simulator/depth_cameras.h"
 #include "adapters/robots/simulator/feature_field.h"
+#include "adapters/robots/simulator/known_free.h"
 #include "adapters/robots/simulator/noise_stream.h"
 #include "adapters/robots/simulator/scene_renderer.h"
 #include "adapters/robots/simulator/world_mesh.h"
@@ -119,11 +120,8 @@ CameraSensors::CameraSensors(const World& world, const SimulatorOptions& options
     check_parameter(perception_.give_map(options.place_known), "simulator", "place_known", 0.0,
                     "with perception.loops, built with Ceres");
   }
-  const double z = start.position.z();
-  free_height_ = perception.mapping.slice.z_max - z;
-  for (const Disc& d : known_free) {
-    perception_.map().clear_cylinder({d.center.x(), d.center.y(), z}, d.radius, free_height_);
-  }
+  free_height_ = perception.mapping.slice.z_max - start.position.z();
+  clear_free(perception_.map(), known_free, start.position.z(), free_height_);
   perception_.map().assume_floor(start.position.head<2>(), perception.start_floor);
   std::normal_distribution<double> normal;
   wheel_scale_ += options.wheels.sigma_scale * normal(wheel_noise_);
@@ -213,11 +211,8 @@ void CameraSensors::carry(const Pose&, const Pose& true_pose, const std::vector<
   wheel_pose_ = true_pose;  // wheels do not turn meanwhile
   perception_.lift();
   const Pose now = perception_.pose(wheel_stamp_);
-  const PlanarMove to_W = move_between(true_pose, now);
-  for (const Disc& d : known_free) {
-    const Eigen::Vector2d at = to_W(d.center);
-    perception_.map().clear_cylinder({at.x(), at.y(), now.position.z()}, d.radius, free_height_);
-  }
+  clear_free(perception_.map(), known_free, now.position.z(), free_height_,
+             move_between(true_pose, now));
 }
 
 void CameraSensors::correct(const Correction& correction, const Pose&) {

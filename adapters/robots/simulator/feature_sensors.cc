@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "adapters/robots/simulator/depth_cameras.h"
+#include "adapters/robots/simulator/known_free.h"
 #include "adapters/robots/simulator/noise_stream.h"
 #include "adapters/robots/simulator/relocalization.h"
 #include "adapters/robots/simulator/view_features.h"
@@ -53,11 +54,8 @@ FeatureSensors::FeatureSensors(const World& world, const SimulatorOptions& optio
                     "with perception.loops, built with Ceres");
     if (straight_) straight_->give({start, Eigen::Matrix3d::Zero()}, options.place_known);
   }
-  const double z = start.position.z();
-  free_height_ = perception.mapping.slice.z_max - z;
-  for (const Disc& d : known_free) {
-    mapper_->clear_cylinder({d.center.x(), d.center.y(), z}, d.radius, free_height_);
-  }
+  free_height_ = perception.mapping.slice.z_max - start.position.z();
+  clear_free(*mapper_, known_free, start.position.z(), free_height_);
   mapper_->assume_floor(start.position.head<2>(), perception.start_floor);
 }
 
@@ -101,11 +99,7 @@ void FeatureSensors::carry(const Pose& from, const Pose& true_pose,
   landmarks_.forget();
   relocalization_images_left_ = 0;
   before_loss_ = -1;
-  const PlanarMove to_W = move_between(true_pose, now);
-  for (const Disc& d : known_free) {
-    const Eigen::Vector2d at = to_W(d.center);
-    mapper_->clear_cylinder({at.x(), at.y(), now.position.z()}, d.radius, free_height_);
-  }
+  clear_free(*mapper_, known_free, now.position.z(), free_height_, move_between(true_pose, now));
 }
 
 void FeatureSensors::correct(const Correction& correction, const Pose& true_pose) {

@@ -68,4 +68,12 @@ std::vector<Disc> known_free(const World& world, const Pose& start, double body_
   return discs;
 }
 
+void clear_free(OccupancyMapper& map, const std::vector<Disc>& discs, double z, double height,
+                const PlanarMove& to_W) {
+  for (const Disc& d : discs) {
+    const Eigen::Vector2d at = to_W(d.center);
+    map.clear_cylinder({at.x(), at.y(), z}, d.radius, height);
+  }
+}
+
 }  // namespace prospect

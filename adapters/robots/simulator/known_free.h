@@ -4,8 +4,10 @@
 #include <vector>
 
 #include "adapters/formats/worlds/world.h"
+#include "engine/maps/planar_move.h"
 #include "models/robot_shape.h"
 #include "models/types.h"
+#include "perception/mapping/occupancy_mapper.h"
 
 namespace prospect {
 
@@ -21,5 +23,9 @@ namespace prospect {
 /// body_radius: about the body's origin. Deterministic.
 std::vector<Disc> known_free(const World& world, const Pose& start, double body_radius,
                              const VerticalExtent& slice, double resolution);
+
+/// Enters them into a map, up to `height` above `z` [m]. to_W: from the discs' frame to the map's.
+void clear_free(OccupancyMapper& map, const std::vector<Disc>& discs, double z, double height,
+                const PlanarMove& to_W = {});
 
 }  // namespace prospect

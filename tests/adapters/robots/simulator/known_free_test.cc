@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <vector>
 
 #include "tests/adapters/box_room.h"
 
@@ -49,6 +50,18 @@ TEST(KnownFree, WhereNothingIsFreeAllOverNothingIsKnown) {
   test::fill(world, {2.05, 0.0, 0.2}, {2.1, 4.0, 0.3});
   world.start.position = {2.02, 2.0, 0.0};
   EXPECT_TRUE(known_free(world, world.start, 0.18, kSlice, 0.1).empty());
+}
+
+TEST(KnownFree, IsEnteredWhereTheMapHasIt) {
+  OccupancyMapper map;
+  // A quarter turn, then a way: what was at (1, 0) is at (3, 6).
+  clear_free(map, {{{1.0, 0.0}, 0.26}}, 0.0, 1.0, {{3.0, 5.0}, M_PI / 2.0});
+  const auto ground = map.ground();
+  const auto state = [&](double x, double y) { return ground->state(ground->frame().cell(x, y)); };
+  EXPECT_EQ(state(3.02, 6.02), CellState::kFree);
+  EXPECT_EQ(state(3.17, 6.17), CellState::kFree);
+  EXPECT_EQ(state(3.33, 6.02), CellState::kUnknown);
+  EXPECT_EQ(state(1.02, 0.02), CellState::kUnknown);
 }
 
 }  // namespace
