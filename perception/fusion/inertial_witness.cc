@@ -86,7 +86,8 @@ std::optional<InertialWitness::Turn> InertialWitness::turn_since(const Frame& fr
   const Quaterniond by_vision(Matrix3d(from.T_WB.linear().transpose() * seen.T_WB.linear()));
   turn.error = rotation_vector(motion->R_B0B.conjugate() * by_vision);
   // Either may be the one that turns.
-  turn.angle = std::max(rotation_vector(motion->R_B0B).norm(), rotation_vector(by_vision).norm());
+  turn.seen = rotation_vector(by_vision).norm();
+  turn.angle = std::max(rotation_vector(motion->R_B0B).norm(), turn.seen);
   const double dt = motion->dt, share = options_.gyro_share * turn.angle,
                noise = options_.gyro_noise * dt;
   Matrix3d S = seen.covariance;
@@ -211,8 +212,9 @@ InertialWitness::Judgement InertialWitness::judge(const SeenMotion& seen) {
       judgement.verdict = Verdict::kOutvoted;
     }
   }
-  const bool informative = turns_otherwise || turn->angle > kTellingTurn * turn->sigma ||
-                           (judgement.verdict == Verdict::kOutvoted);
+  // What vision does not see turning says nothing of the gyro's axes.
+  const bool informative =
+      turn->seen > kTellingTurn * turn->sigma || judgement.verdict == Verdict::kOutvoted;
   count(informative, judgement.verdict);
   if (judgement.verdict == Verdict::kAgrees) {
     learn_bias(*turn, motion->dt, seen.covariance);

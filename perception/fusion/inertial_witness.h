@@ -61,8 +61,9 @@ struct SeenMotion {
 /// Who is wrong? Vision may follow what moves, or the IMU is faulty: one as likely as the other. A
 /// frame that disagrees is degraded at best, and e and r, as a twist in W, enter the covariance of
 /// the pose by half their square, for good. Where wheels turn as vision does, the gyro is outvoted.
-/// An IMU that was outvoted five times in a row, or has differed from five turns before it agreed
-/// with five, is not believed (complaint()) until it agrees with five turns; it then says nothing.
+/// An IMU that was outvoted five times in a row, or has differed from five turns that vision saw
+/// before it agreed with five, is not believed (complaint()) until it agrees with five turns; it
+/// then says nothing.
 ///
 /// Thread-safety: one thread. Errors: the constructor throws std::invalid_argument on an option out
 /// of range; the rest never throws. Deterministic: same calls, same bits. Source: ours.
@@ -108,7 +109,8 @@ class InertialWitness {
   };
   struct Turn {
     Eigen::Vector3d error = Eigen::Vector3d::Zero();  // e
-    double chi2 = 0.0, angle = 0.0, sigma = 0.0;
+    double chi2 = 0.0, sigma = 0.0;
+    double angle = 0.0, seen = 0.0;  // the larger one; that by vision
   };
   void begin(const SeenMotion& seen);
   std::optional<Turn> turn_since(const Frame& from, const SeenMotion& seen) const;

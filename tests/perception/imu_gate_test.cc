@@ -2,12 +2,15 @@
 // What moves in view, or is carried in it, against an IMU: from images to the pose.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <functional>
 #include <limits>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "perception/pipeline/perception_pipeline.h"
@@ -42,14 +45,18 @@ Place turning(double t) {
 }
 Place standing(double) { return {}; }
 
-/// The whole view is that of a board at 1.2 m, of the texture from column `texture` on.
-void cover(RenderedRoom::Pair& pair, const Image& board, int texture) {
+/// The whole view is that of a board at 1.2 m, of the texture from column `texture` on, with noise.
+void cover(RenderedRoom::Pair& pair, const Image& board, int texture, std::mt19937& random) {
   const auto& camera = stereo_camera();
   const int disparity = static_cast<int>(std::lround(camera.left.fx * camera.baseline / 1.2));
   for (int v = 0; v < board.height; ++v) {
     for (int u = 0; u < board.width; ++u) {
-      pair.left.at(u, v) = board.at((u + texture) % board.width, v);
-      pair.right.at(u, v) = board.at((u + disparity + texture) % board.width, v);
+      const auto seen = [&](int from) {
+        const int grey = board.at((u + from) % board.width, v) + static_cast<int>(random() % 7) - 3;
+        return static_cast<std::uint8_t>(std::clamp(grey, 0, 255));
+      };
+      pair.left.at(u, v) = seen(texture);
+      pair.right.at(u, v) = seen(texture + disparity);
     }
   }
 }
@@ -80,7 +87,7 @@ Outcome drive(const Case& c) {
   options.start.yaw = start.yaw;
   options.stereo_mount = {CameraMount::forward_facing({0.0, 0.0, kHeight}, 0.0, 0.0)};
   PerceptionPipeline perception(stereo_camera(), options);
-  std::mt19937 random(7);
+  std::mt19937 random(7), image_noise(11);
   std::normal_distribution<double> normal;
   const auto drawn = [&] {
     const double x = normal(random), y = normal(random), z = normal(random);
@@ -104,7 +111,7 @@ Outcome drive(const Case& c) {
     const Isometry3d T_WC = RenderedRoom::looking(p.x, p.y, kHeight, p.yaw);
     RenderedRoom::Pair pair =
         room.render(stereo_camera(), T_WC, 2.0, static_cast<std::uint64_t>(k));
-    if (c.board) cover(pair, board, 3200 - c.board_pace * std::max(0, k - 12));
+    if (c.board) cover(pair, board, 3200 - c.board_pace * std::max(0, k - 12), image_noise);
     perception.stereo({stamp, stamp, pair.left.view(), pair.right.view()});
     const OdometryFrame& frame = perception.frame();
     const Isometry3d off = T_WC.inverse() * frame.T_WC;
