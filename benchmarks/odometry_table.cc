@@ -35,6 +35,7 @@
 #include "benchmarks/program_options.h"
 #include "benchmarks/real_cameras.h"
 #include "benchmarks/rendered_sequence.h"
+#include "benchmarks/wrong_frames.h"
 #include "engine/support/quantile.h"
 #include "models/knobs.h"
 
@@ -53,23 +54,6 @@ std::string number(double value, const char* format) {
   std::snprintf(text, sizeof text, format, value);
   return text;
 }
-
-constexpr double kWrongError = 0.05, kWrongSigmas = 4.0;
-
-/// Frames whose position is off by more than is claimed.
-struct WrongFrames {
-  int ok = 0, other = 0;
-  double worst = 0.0;  ///< error over claim, of all that are off by more than kWrongError
-
-  void add(const OdometryFrame& frame, const Eigen::Isometry3d& truth) {
-    if (frame.state == Localization::kLost) return;
-    const double error = (frame.T_WC.translation() - truth.translation()).norm();
-    if (!(error > kWrongError)) return;
-    const double ratio = error / std::sqrt(frame.covariance.topLeftCorner<3, 3>().trace());
-    worst = std::max(worst, ratio);
-    if (ratio > kWrongSigmas) ++(frame.state == Localization::kOk ? ok : other);
-  }
-};
 
 struct Consistency {
   ConsistencyResult own;

@@ -34,7 +34,7 @@ InputResult feed(PerceptionPipeline& perception, const SensorFrame& frame) {
         } else if constexpr (std::is_same_v<Frame, Correction>) {
           return perception.correct(f);
         } else if constexpr (std::is_same_v<Frame, ImuSample>) {
-          return {};
+          return perception.imu(f);
         } else {
           return {InputState::kRefused, "an estimate; expected images"};
         }

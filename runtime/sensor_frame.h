@@ -45,8 +45,7 @@ using SensorFrame = std::variant<StereoFrame, WheelSample, DepthFrame, ScanFrame
                                  ExternalPose, Correction, ImuSample>;
 /// Of the left image of a pair.
 double stamp_of(const SensorFrame& frame);
-/// Hands it to perception; the result is perception's, which refuses an estimate and leaves what an
-/// IMU measures to who watches the base (command_following.h).
+/// Hands it to perception; the result is perception's, which refuses an estimate.
 InputResult feed(PerceptionPipeline& perception, const SensorFrame& frame);
 
 }  // namespace prospect

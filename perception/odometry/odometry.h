@@ -87,6 +87,11 @@ class Odometry {
   virtual OdometryFrame process(double stamp, const ImageView& left, const ImageView& right,
                                 const std::optional<Eigen::Isometry3d>& motion) = 0;
 
+  /// Likewise of an IMU, which measures the turn, but the way only as far as the velocity is known:
+  /// for the next call of process() alone, where nobody tells its `motion`. It says nothing of
+  /// whether the camera rests.
+  virtual void expect(const std::optional<Eigen::Isometry3d>& motion) { (void)motion; }
+
   /// The landmarks that are tracked now or were of late, in W. The survival of each is the
   /// probability that it is tracked `horizon` [s] ahead if it is in view until then.
   virtual std::shared_ptr<const LandmarkMap> landmarks(double horizon) const = 0;

@@ -58,6 +58,8 @@ using Vector6d = Eigen::Matrix<double, 6, 1>;
 constexpr std::uint64_t kRememberedFrames = 20;
 /// Probability of another motion from which on the pose is degraded.
 constexpr double kDoubt = 0.01;
+/// Part of the accelerations that an IMU leaves unknown before any motion was seen.
+constexpr double kLeftByImu = 1.0 / 6.0;
 std::uint64_t of_frame(std::uint64_t frame) { return (std::uint64_t{1} << 63) | frame; }
 
 /// What is made of the images of a frame.
@@ -99,6 +101,8 @@ struct StereoOdometry::Impl {
         clock(options.max_gap),
         as_before(options.motion),
         as_measured(options.motion),
+        as_by_imu({kLeftByImu * options.motion.acceleration,
+                   kLeftByImu * options.motion.turn_acceleration}),
         time_offset(options.time_offset),
         drift(calibration_covariance(options.calibration, options.disparity_offset.prior_sigma)),
         survival(options.survival) {
@@ -127,7 +131,9 @@ struct StereoOdometry::Impl {
   std::vector<std::uint64_t> given_up;
 
   // What moves.
-  MotionPrior as_before, as_measured;  // the motion from the one before, from the one that is given
+  // The motion from the one before, from the one that is given, from that by an IMU.
+  MotionPrior as_before, as_measured, as_by_imu;
+  std::optional<Isometry3d> by_imu;  // to the next frame
   SecondMotion second;
   bool may_be_carried = false;  // what the newest frame tracks
 
@@ -203,6 +209,9 @@ struct StereoOdometry::Impl {
     if (motion && motion->matrix().allFinite()) {
       expected.T_CW = motion->inverse() * trusted.T_CW;
       expected.prior = &as_measured;
+    } else if (by_imu) {
+      expected.T_CW = by_imu->inverse() * trusted.T_CW;
+      if (trusted.velocity && !clock.gap()) expected.prior = &as_by_imu;
     } else if (trusted.velocity && !clock.gap()) {
       expected.T_CW = trusted.continued(stamp);
       expected.prior = &as_before;
@@ -230,8 +239,8 @@ struct StereoOdometry::Impl {
     const auto gone_on = [&] {
       return trusted.velocity ? trusted.continued(stamp) : turned(trusted.T_CW, trusted.coarse);
     };
-    const bool measured = motion && motion->matrix().allFinite();
-    Candidate candidate = from(tracks, measured ? motion->inverse() * trusted.T_CW : gone_on(),
+    const bool measured = (motion && motion->matrix().allFinite()) || by_imu;
+    Candidate candidate = from(tracks, measured ? expectation(stamp, motion).T_CW : gone_on(),
                                measured || (trusted.velocity && !clock.gap()));
     if (candidate.judgement.state != Localization::kLost) return candidate;
     if (!second.seen()) {  // a pose that is not taken says nothing of what moves
@@ -288,7 +297,10 @@ struct StereoOdometry::Impl {
     const MotionExpectation expected = expectation(stamp, motion);
     if (expected.prior != nullptr) {
       const Vector6d change = log_se3(location.pose.T_CW * expected.T_CW.inverse());
-      (expected.prior == &as_before ? as_before : as_measured).add(change, expected.dt);
+      MotionPrior& prior = expected.prior == &as_before     ? as_before
+                           : expected.prior == &as_measured ? as_measured
+                                                            : as_by_imu;
+      prior.add(change, expected.dt);
     }
     if (location.second) {
       if (!second.seen()) {
@@ -682,8 +694,13 @@ OdometryFrame StereoOdometry::process(double stamp, const ImageView& left, const
                                       const std::optional<Isometry3d>& motion) {
   ProcessorStopwatch watch;
   OdometryFrame frame = impl_->process(stamp, left, right, motion);
+  impl_->by_imu.reset();
   frame.times.processor = watch.lap();
   return frame;
+}
+
+void StereoOdometry::expect(const std::optional<Isometry3d>& motion) {
+  impl_->by_imu = motion && motion->matrix().allFinite() ? motion : std::nullopt;
 }
 
 std::shared_ptr<const LandmarkMap> StereoOdometry::landmarks(double horizon) const {

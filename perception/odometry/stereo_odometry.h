@@ -46,6 +46,7 @@ class StereoOdometry final : public Odometry {
 
   OdometryFrame process(double stamp, const ImageView& left, const ImageView& right,
                         const std::optional<Eigen::Isometry3d>& motion = {}) override;
+  void expect(const std::optional<Eigen::Isometry3d>& motion) override;
   /// Made on demand. Survival is learned from this odometry's own tracks (track_survival.h).
   std::shared_ptr<const LandmarkMap> landmarks(double horizon = 1.0) const override;
   const std::vector<LandmarkSighting>& sightings() const override;

@@ -17,7 +17,8 @@ InputResult left_out(InputState state, const char* format, double seconds, doubl
 }  // namespace
 
 std::string_view to_string(InputSource source) {
-  constexpr std::string_view kNames[] = {"stereo pair", "wheels", "depth image", "scan", "pose"};
+  constexpr std::string_view kNames[] = {"stereo pair", "wheels", "depth image",
+                                         "scan",        "pose",   "imu"};
   return kNames[static_cast<std::size_t>(source)];
 }
 

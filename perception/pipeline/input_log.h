@@ -12,7 +12,7 @@
 
 namespace prospect {
 
-enum class InputSource { kStereo, kWheels, kDepth, kScan, kPose };
+enum class InputSource { kStereo, kWheels, kDepth, kScan, kPose, kImu };
 std::string_view to_string(InputSource source);
 
 /// What became of one input.
@@ -65,7 +65,7 @@ class InputLog {
   static std::size_t index(InputSource source) { return static_cast<std::size_t>(source); }
 
   double max_age_, max_leap_;
-  std::array<InputCount, 5> counts_;
+  std::array<InputCount, 6> counts_;
   std::map<std::pair<int, InputSource>, InputCount> more_;  // of sensors from 1 on
   std::optional<double> newest_;                            // of all
 };

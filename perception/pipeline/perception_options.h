@@ -7,6 +7,7 @@
 
 #include "models/camera.h"
 #include "models/types.h"
+#include "perception/fusion/inertial_witness.h"
 #include "perception/fusion/wheel_fusion.h"
 #include "perception/mapping/depth_mapper.h"
 #include "perception/mapping/occupancy_mapper.h"
@@ -40,6 +41,7 @@ struct PerceptionOptions {
   /// lost.
   bool wheels = true;
   WheelFusionOptions wheel_fusion;  ///< its `start` is not used
+  InertialOptions inertial;         ///< of an IMU beside cameras
   FeatureDensityOptions feature_density;
   /// Places that are seen again keep the map straight (straight_map.h), where this is built with
   /// Ceres: of a body in the plane whose pose is measured here. Of others it says nothing: poses

@@ -10,6 +10,7 @@ void describe(Knobs& knobs, PerceptionOptions& o) {
   constexpr double kInfinite = std::numeric_limits<double>::infinity();
   knobs.boolean("wheels", o.wheels, "wheel odometry, fused with what the images say");
   knobs.group("wheel_fusion", [&] { describe(knobs, o.wheel_fusion); });
+  knobs.group("inertial", [&] { describe(knobs, o.inertial); });
   knobs.group("odometry", [&] { describe(knobs, o.odometry); });
   knobs.group("mapping", [&] { describe(knobs, o.mapping); });
   knobs.group("depth_mapping", [&] { describe(knobs, o.depth_mapping); });

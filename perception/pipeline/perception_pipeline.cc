@@ -128,6 +128,7 @@ PerceptionPipeline::PerceptionPipeline(std::unique_ptr<Odometry> odometry,
       motion_noise_(options.stereo_mount.T_BC),
       reader_(options.stereo_mount.T_BC),
       fusion_(fusion_of(options)),
+      inertial_(options.inertial),
       map_(std::make_shared<OccupancyMapper>(options.mapping)),
       builder_(options.stereo_mount.T_BC),
       density_(options.feature_density),
@@ -167,12 +168,13 @@ InputResult PerceptionPipeline::stereo(const StampedPair& pair) {
                   apart, options_.same_time);
     return log_.note(InputSource::kStereo, {InputState::kRefused, text});
   }
-  std::optional<Eigen::Isometry3d> motion;
-  if (options_.wheels) motion = reader_.camera_motion(pose_at_fix_, fusion_.at(stamp).pose);
-  frame_ = odometry_->process(stamp, pair.left, pair.right, motion);
+  std::optional<Eigen::Isometry3d> by_wheels;
+  if (options_.wheels) by_wheels = reader_.camera_motion(pose_at_fix_, fusion_.at(stamp).pose);
+  frame_ = odometry_->process(stamp, pair.left, pair.right, where_to_look(stamp, by_wheels));
   lost_since_entry_ = lost_since_entry_ || frame_.state == Localization::kLost;
   const bool measured = frame_.tracked > 0 && frame_.state != Localization::kLost;
   motion_noise_.add(frame_, *odometry_);
+  if (measured) hold_against_imu(by_wheels);
   log_.note(InputSource::kStereo, {});
   compare();
   const std::string why = disagreement();
@@ -209,6 +211,57 @@ InputResult PerceptionPipeline::wheels(const WheelSample& sample) {
   if (!odometry_) history_.add(sample.stamp, body(sample.stamp));
   enter_waiting();
   return {};
+}
+
+InputResult PerceptionPipeline::imu(const ImuSample& sample) {
+  if (const auto objection = log_.objection(InputSource::kImu, sample.stamp)) return *objection;
+  if (!odometry_) {
+    return log_.note(InputSource::kImu,
+                     {InputState::kTaken, "there is no odometry that it could be held against"});
+  }
+  std::string wrong = inertial_.add(sample);
+  if (wrong.empty()) wrong = inertial_.complaint();
+  if (!wrong.empty()) {
+    return log_.note(InputSource::kImu, {InputState::kRefused, std::move(wrong)});
+  }
+  return log_.note(InputSource::kImu, {});
+}
+
+std::optional<Eigen::Isometry3d> PerceptionPipeline::where_to_look(
+    double stamp, const std::optional<Eigen::Isometry3d>& by_wheels) {
+  const std::optional<Eigen::Isometry3d> by_imu = inertial_.expected(stamp);
+  if (!by_imu) return by_wheels;
+  const Eigen::Isometry3d& T_BC = options_.stereo_mount.T_BC;
+  if (!by_wheels) {
+    odometry_->expect(T_BC.inverse() * *by_imu * T_BC);
+    return std::nullopt;
+  }
+  Eigen::Isometry3d T_B0B = T_BC * *by_wheels * T_BC.inverse();
+  T_B0B.linear() = by_imu->linear();
+  return T_BC.inverse() * T_B0B * T_BC;
+}
+
+void PerceptionPipeline::hold_against_imu(const std::optional<Eigen::Isometry3d>& by_wheels) {
+  const bool begins_map = frame_.restarted || !std::exchange(begun_, true);
+  if (log_.count(InputSource::kImu).taken == 0) return;
+  const Eigen::Isometry3d& T_BC = options_.stereo_mount.T_BC;
+  SeenMotion seen{
+      .stamp = frame_.stamp, .T_WB = frame_.T_WC * T_BC.inverse(), .begins_map = begins_map};
+  const Eigen::Matrix<double, 6, 6> since =
+      odometry_->covariance_since(1).value_or(frame_.covariance_since_keyframe);
+  seen.covariance = T_BC.linear() * since.bottomRightCorner<3, 3>() * T_BC.linear().transpose();
+  const bool heard = log_.count(InputSource::kWheels).taken > 0 &&
+                     frame_.stamp - newest_wheels_ <= options_.wheel_fusion.max_wheel_gap;
+  if (by_wheels && heard) seen.by_wheels = T_BC * *by_wheels * T_BC.inverse();
+  const InertialWitness::Judgement judgement = inertial_.judge(seen);
+  if (judgement.verdict == InertialWitness::Verdict::kDisagrees) {
+    frame_.state = std::max(frame_.state, Localization::kDegraded);
+    add_reason(frame_.reason, judgement.reason);
+  }
+  const Eigen::Isometry3d T_CW = frame_.T_WC.inverse();
+  frame_.covariance += inertial_.doubt(T_CW);
+  frame_.covariance_since_keyframe += inertial_.doubt_since(imu_doubt_at_keyframe_, T_CW);
+  if (frame_.keyframe) imu_doubt_at_keyframe_ = inertial_.sum();
 }
 
 InputResult PerceptionPipeline::external_pose(const ExternalPose& pose) {

@@ -17,7 +17,9 @@
 #include "engine/maps/belief.h"
 #include "engine/maps/correction.h"
 #include "models/camera.h"
+#include "models/imu_sample.h"
 #include "models/types.h"
+#include "perception/fusion/inertial_witness.h"
 #include "perception/fusion/visual_motion.h"
 #include "perception/fusion/wheel_fusion.h"
 #include "perception/mapping/depth_mapper.h"
@@ -103,6 +105,7 @@ struct ExternalPose {
 ///   poses    from outside, likewise;
 ///   wheels   may come before or after the pair of their time (WheelFusion). A pair knows where to
 ///            look from wheel motion that came before it;
+///   imu      before or after: a pair is held against the samples that came before it;
 ///   depth    and scans are entered from the pose at their own stamp: between two pairs or poses
 ///            by interpolation, with wheels from their motion; ahead of all poses they wait for
 ///            one (max_ahead). Before anything was measured the robot stands at the start.
@@ -122,6 +125,9 @@ struct ExternalPose {
 /// Sensors against each other. Depths of the stereo pair are compared with those of the depth
 /// camera where both look at the same time (depth_agreement.h), lengths by vision with those by
 /// wheels (WheelFusion). While they disagree localization is lost, and complaint() says why.
+///
+/// An IMU tells the odometry where the body has turned to, and is held against each pair
+/// (inertial_witness.h): a pose that it contradicts is degraded, with a covariance for both.
 ///
 /// Noise. How the odometry's motions err is measured on the way (MotionNoise) and stands in the
 /// belief's landmarks, for the planner to count on.
@@ -147,6 +153,8 @@ class PerceptionPipeline {
 
   InputResult stereo(const StampedPair& pair);
   InputResult wheels(const WheelSample& sample);
+  /// Refused, too, while it is not believed. Without an odometry it says nothing.
+  InputResult imu(const ImuSample& sample);
   /// Refused where an odometry or wheels give the poses.
   InputResult external_pose(const ExternalPose& pose);
   /// Of the map's frame; a refusal says why.
@@ -177,6 +185,8 @@ class PerceptionPipeline {
   /// What became of the newest depth image or scan that was entered or rejected, at the pose of its
   /// camera or lidar; none so far: rejected.
   const MappedFrame& mapped() const { return mapped_; }
+  /// What the IMU has told so far: its gyro's bias, which way is up, why it is not believed.
+  const InertialWitness& inertial() const { return inertial_; }
   MapState map_state() const;
   /// Why the sensors cannot be trusted; empty: nothing is known against them.
   std::string complaint() const;
@@ -227,6 +237,12 @@ class PerceptionPipeline {
   BodyPose body(double stamp) const;
   /// B at `stamp`, as it is believed to have been; none: not known any more.
   std::optional<BodyPose> body_at(double stamp) const;
+  /// The motion of C to a pair at `stamp` that wheels measured, with the turn by an IMU. What an
+  /// IMU alone tells goes to the odometry.
+  std::optional<Eigen::Isometry3d> where_to_look(double stamp,
+                                                 const std::optional<Eigen::Isometry3d>& by_wheels);
+  /// Holds the newest pair, which was measured, against the IMU.
+  void hold_against_imu(const std::optional<Eigen::Isometry3d>& by_wheels);
   /// Holds the newest pair against the newest depth image, if they are of one time.
   void compare();
   /// B by wheels alone.
@@ -241,6 +257,8 @@ class PerceptionPipeline {
   MotionNoise motion_noise_;
   VisualMotionReader reader_;
   WheelFusion fusion_;
+  InertialWitness inertial_;
+  InertialWitness::Twist6 imu_doubt_at_keyframe_ = InertialWitness::Twist6::Zero();
   std::shared_ptr<OccupancyMapper> map_;
   std::unique_ptr<StraightMap> straight_;   // null: the map is as it was drawn
   bool lost_since_entry_ = false;           // in the map
@@ -258,6 +276,7 @@ class PerceptionPipeline {
   Corrections corrections_;
   double newest_wheels_ = 0.0;
   OdometryFrame frame_;
+  bool begun_ = false;                          // a frame was measured
   std::shared_ptr<const MotionInView> motion_;  // at the newest pair, in W; null: nothing moves
   Pose pose_at_fix_;                            // when the odometry last took a pose
   std::shared_ptr<const DepthImage> depth_;     // the newest

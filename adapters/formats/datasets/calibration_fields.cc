@@ -71,7 +71,7 @@ constexpr FieldRule kKalibrFields[] = {
     {"intrinsics", kUsed},
     {"resolution", kUsed},
     {"rostopic", kNotNeeded, "a name"},
-    {"timeshift_cam_imu", kNotNeeded, "no inertial sensor is read"},
+    {"timeshift_cam_imu", kNotNeeded, "stamps of an IMU are taken as they are"},
     {"T_cam_imu", kNotNeeded, "T_cn_cnm1 says where the cameras are"},
     {"T_cn_cnm", kUsed},
 };

@@ -223,6 +223,11 @@ StereoSource open_stereo_bag(const std::string& path, const StereoDatasetOptions
                            infos[0]->name + " and " + infos[1]->name);
   });
   source.attempt([&] {
+    source.imu = read_bag_imu(bag, path, options.topics, frame_of(bag, *left), source.notes);
+    const Eigen::Quaterniond R(Eigen::Matrix3d(T_rectified.linear().transpose()));
+    for (ImuSample& sample : source.imu.samples) sample.R_BS = R * sample.R_BS;
+  });
+  source.attempt([&] {
     const BagTopic* truth = given_topic(bag, path, options.topics, "truth", is_pose_topic);
     if (truth == nullptr) {
       if (!options.fixed_frame) return;

@@ -208,6 +208,10 @@ StereoSource open_euroc(const std::string& path, const StereoDatasetOptions& opt
       }
     }
   });
+  if (options.calibration.empty() && !counted) {
+    source.imu = read_euroc_imu(root, 1e-9, source.notes);
+    source.imu_in_body = true;
+  }
   return source;
 }
 

@@ -45,6 +45,7 @@ StereoDataset StereoDataset::open(StereoSource source, const StereoDatasetOption
   dataset.left_ = std::move(source.left);
   dataset.right_ = std::move(source.right);
   const bool raw = !source.calibration->rectified;
+  const Eigen::Isometry3d T_BC_own = source.calibration->left.T_BC;
   const Eigen::Isometry3d T_BC =
       raw && !source.truth_of_body ? source.calibration->left.T_BC : Eigen::Isometry3d::Identity();
   const auto [left, right] = dataset.first_readable_pair();
@@ -71,6 +72,14 @@ StereoDataset StereoDataset::open(StereoSource source, const StereoDatasetOption
         pose.T = pose.T * dataset.rectification_->T_BC();
       }
     }
+  }
+  dataset.imu_ = std::move(source.imu);
+  if (raw) {
+    const Eigen::Isometry3d T_BR = dataset.rectification_->T_BC();
+    const Eigen::Quaterniond R(
+        (T_BR.inverse() * (source.imu_in_body ? Eigen::Isometry3d::Identity() : T_BC_own))
+            .linear());
+    for (ImuSample& sample : dataset.imu_.samples) sample.R_BS = R * sample.R_BS;
   }
   return dataset;
 }

@@ -53,6 +53,9 @@ class StereoDataset {
   /// The same if w were first in its file's quaternions; empty where their order is stated.
   const Trajectory& ground_truth_w_first() const { return ground_truth_w_first_; }
 
+  /// Its R_BS: the axes of its sensor in the rectified left camera; empty: there is none.
+  const ImuRecording& imu() const { return imu_; }
+
  private:
   std::pair<RawImage, RawImage> first_readable_pair() const;
   void rectify(StereoCalibration calibration, const RawImage& first);
@@ -71,6 +74,7 @@ class StereoDataset {
   std::vector<std::string> notes_;
   std::string calibration_from_;
   Trajectory ground_truth_, ground_truth_w_first_;
+  ImuRecording imu_;
   std::shared_ptr<const Rectification> rectification_;  // null: rectified already
 };
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "adapters/formats/datasets/image_stream.h"
+#include "adapters/formats/datasets/imu_recording.h"
 #include "adapters/formats/datasets/recording_source.h"
 #include "adapters/formats/datasets/stereo_calibration.h"
 #include "adapters/formats/datasets/trajectory.h"
@@ -20,8 +21,8 @@ struct StereoDatasetOptions {
   bool rectified = false;      ///< the images are rectified already, by a camera_info
   std::optional<double> sync;  ///< how far stamps of a pair may differ [s]
   std::optional<double> rate;  ///< [Hz], where images are only numbered
-  /// Of a bag: "left", "right", "left_info", "right_info", "truth" to topics; all but truth are
-  /// found by type and name where they are not given.
+  /// Of a bag: "left", "right", "left_info", "right_info", "truth", "imu" to topics; all but truth
+  /// are found by type and name where they are not given.
   std::map<std::string, std::string> topics;
   /// Of a bag: where no "truth" is given, what BagPoseChoice finds with this frame stands for it;
   /// none: it is not looked for.
@@ -36,6 +37,9 @@ struct StereoSource : RecordingSource {
   bool truth_of_body = false;  ///< of the body of the calibration's T_BC
   /// Its quaternions have no names in the file: w, which is last by rule, may be first.
   bool truth_of_quaternions = false;
+  /// Its axes in the left camera as it is, or in the body.
+  ImuRecording imu;
+  bool imu_in_body = false;  ///< in the body of the calibration's T_BC
 };
 
 using StereoLayout = RecordingLayout<StereoSource, StereoDatasetOptions>;

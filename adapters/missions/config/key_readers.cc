@@ -122,6 +122,8 @@ constexpr std::array kRows = {
     KeyRow{"perception.wheel_fusion",
            [](const KeyReader& r) { return (cameras(r) && r.wheels) || r.by_wheels; },
            "of wheels beside cameras; expected cameras and perception.wheels: true"},
+    KeyRow{"perception.inertial",
+           [](const KeyReader& r) { return cameras(r) || r.use == Use::kOdometry; }, kCameras},
     KeyRow{"perception.odometry",
            [](const KeyReader& r) { return cameras(r) || r.use == Use::kOdometry; }, kCameras},
     KeyRow{"perception.mapping", [](const KeyReader& r) { return mission(r) || map(r); },

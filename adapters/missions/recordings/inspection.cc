@@ -97,6 +97,18 @@ void add_remarks(Json& json, const std::vector<std::string>& notes,
   json["supply"] = supply;
 }
 
+/// Null: there is none, or it is left out, as a note says.
+Json imu_json(const ImuRecording& imu) {
+  if (imu.samples.empty()) return {};
+  std::vector<double> stamps;
+  for (const ImuSample& sample : imu.samples) stamps.push_back(sample.stamp);
+  return {{"from", imu.from},
+          {"samples", stamps.size()},
+          {"rate_hz", finite_or_null(1.0 / median_step(stamps))},
+          {"first_s", stamps.front()},
+          {"last_s", stamps.back()}};
+}
+
 /// By how much later the right image is taken than the left one, as the odometry finds it over the
 /// first seconds; nulls where it does not.
 void add_time_offset(Json& json, const StereoDataset& dataset) {
@@ -130,6 +142,7 @@ Json inspect_stereo(const std::string& path, const StereoDatasetOptions& options
   json["right_after_left_most_s"] = paired ? Json(pairs.largest_offset) : Json();
   json["sync_s"] = pairs.tolerance;
   json["calibration"] = source.calibration ? calibration_json_of(*source.calibration) : Json();
+  json["imu"] = imu_json(source.imu);
   json["ground_truth_poses"] = source.truth.empty() ? Json() : Json(source.truth.size());
   if (!source.calibration) {
     supply = {"calib.txt beside the images of a rectified pair (f, cx, cy in px, baseline B in m):",
@@ -357,6 +370,13 @@ std::string recording_text(const Json& r) {
         "truth        " +
         (r["ground_truth_poses"].is_null() ? "none" : r["ground_truth_poses"].dump() + " poses") +
         "\n";
+    if (const Json& imu = r["imu"]; !imu.is_null()) {
+      text += "imu          " + imu["samples"].dump() + " samples";
+      if (imu["rate_hz"].is_number()) {
+        text += ", " + formatted("%.4g Hz", imu["rate_hz"].get<double>());
+      }
+      text += ": " + imu["from"].get<std::string>() + "\n";
+    }
   } else if (r.contains("scans")) {
     text +=
         "scans        " + r["scans"].dump() + ", the first of " + r["points"].dump() + " points";

@@ -16,11 +16,52 @@
 #include "adapters/missions/recordings/recording_range.h"
 
 namespace prospect {
+namespace {
+
+/// Hands the samples of a recording over, those up to a pair and the next one before it.
+class ImuFeed {
+ public:
+  ImuFeed(const ImuRecording& recording, double begin) : samples_(recording.samples) {
+    constexpr double kBefore = 0.5;  // [s]
+    while (next_ < samples_.size() && samples_[next_].stamp < begin - kBefore) ++next_;
+    if (!samples_.empty()) seen_.emplace();
+  }
+  void until(double stamp, PerceptionPipeline& perception) {
+    if (!seen_) return;
+    for (bool before = true; before && next_ < samples_.size(); ++next_) {
+      before = samples_[next_].stamp <= stamp;
+      ++seen_->samples;
+      perception.imu(samples_[next_]);
+    }
+    const std::optional<Eigen::Vector3d> up = perception.inertial().up_in_W();
+    if (up && !first_) first_ = up;
+    seen_->tilt = up ? std::acos(std::clamp(up->dot(*first_), -1.0, 1.0))
+                     : std::numeric_limits<double>::quiet_NaN();
+  }
+  void held(const PerceptionPipeline& perception) {
+    if (!seen_) return;
+    const InputCount& count = perception.input(InputSource::kImu);
+    seen_->taken = count.taken;
+    seen_->reason = count.reason;
+    seen_->gyro_bias = perception.inertial().gyro_bias();
+    seen_->gyro_bias_sigma = perception.inertial().gyro_bias_sigma();
+    seen_->against = perception.inertial().contradicted();
+  }
+  const std::optional<OdometryRun::Imu>& seen() const { return seen_; }
+
+ private:
+  const std::vector<ImuSample>& samples_;
+  std::size_t next_ = 0;
+  std::optional<Eigen::Vector3d> first_;
+  std::optional<OdometryRun::Imu> seen_;
+};
+
+}  // namespace
 
 OdometryRun run_odometry(const StereoDataset& dataset, const StereoOdometryOptions& options,
                          int first, int max_frames,
                          const std::function<void(const OdometryStep&)>& observe,
-                         const std::function<bool()>& cancelled) {
+                         const std::function<bool()>& cancelled, const InertialOptions& inertial) {
   cv::setNumThreads(1);  // one core, and nothing that depends on scheduling
   OdometryRun run;
   Eigen::Isometry3d start = Eigen::Isometry3d::Identity();
@@ -30,7 +71,10 @@ OdometryRun run_odometry(const StereoDataset& dataset, const StereoOdometryOptio
   if (!begin.empty()) start = begin[0].truth;
   auto owned = std::make_unique<StereoOdometry>(dataset.camera(), options, start);
   const StereoOdometry& odometry = *owned;
-  PerceptionPipeline perception(std::move(owned), dataset.camera(), recording_options(start));
+  PerceptionOptions perception_options = recording_options(start);
+  perception_options.inertial = inertial;
+  PerceptionPipeline perception(std::move(owned), dataset.camera(), perception_options);
+  ImuFeed imu(dataset.imu(), dataset.stamp(first));
   OdometryConsistency consistency;
   Elements pairs("pairs");
   for (int i = first; i < first + n; ++i) {
@@ -46,6 +90,7 @@ OdometryRun run_odometry(const StereoDataset& dataset, const StereoOdometryOptio
       run.frames.push_back(left_out);
       continue;
     }
+    imu.until(stamp, perception);
     const InputResult result =
         perception.stereo({stamp, stamp, pair.left.view(), pair.right.view()});
     run.frames.push_back(perception.frame());
@@ -64,6 +109,8 @@ OdometryRun run_odometry(const StereoDataset& dataset, const StereoOdometryOptio
     if (processed) consistency.add(odometry, frame, truth);
     if (observe) observe({i - first + 1, frame, odometry, pair, truth});
   }
+  imu.held(perception);
+  run.imu = imu.seen();
   run.consistency = consistency.result();
   run.pairs = associate(run.trajectory, dataset.ground_truth());
   run.pairs_w_first = associate(run.trajectory, dataset.ground_truth_w_first());

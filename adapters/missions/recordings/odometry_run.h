@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <cstddef>
 #include <functional>
 #include <optional>
 #include <string>
@@ -11,6 +12,7 @@
 #include "adapters/missions/recordings/odometry_consistency.h"
 #include "adapters/missions/recordings/time_percentiles.h"
 #include "adapters/missions/recordings/trajectory_error.h"
+#include "perception/fusion/inertial_witness.h"
 #include "perception/odometry/stereo_odometry.h"
 
 namespace prospect {
@@ -26,7 +28,17 @@ struct OdometryRun {
   std::vector<PosePair> pairs_w_first;
   ConsistencyResult consistency;   ///< of the covariances, with ground truth
   std::vector<std::string> notes;  ///< pairs that could not be read: lost, with the reason
-  bool cancelled = false;          ///< it ends before the last frame
+  /// Of an IMU beside the cameras; none so far.
+  struct Imu {
+    std::size_t samples = 0, taken = 0;
+    std::string reason;                                   ///< why the newest that was left out was
+    Eigen::Vector3d gyro_bias = Eigen::Vector3d::Zero();  ///< [rad/s], in the left camera
+    double gyro_bias_sigma = 0.0;
+    double tilt = 0.0;  ///< [rad] between up by it at the end and at first; NaN: not known
+    int against = 0;    ///< frames that it contradicts
+  };
+  std::optional<Imu> imu;
+  bool cancelled = false;  ///< it ends before the last frame
 };
 
 /// What there is to see after each frame of a run; valid during the call alone.
@@ -40,11 +52,13 @@ struct OdometryStep {
 
 /// Runs the odometry over a recording, from frame `first`, at most `max_frames` (0: all).
 /// `observe`, if any, is called after each frame that can be read; `cancelled`, if any, is asked
-/// before each. One thread; the same recording gives the same poses.
+/// before each. One thread; the same recording gives the same poses. An IMU of the recording is
+/// held against the images (PerceptionPipeline::imu).
 OdometryRun run_odometry(const StereoDataset& dataset, const StereoOdometryOptions& options = {},
                          int first = 0, int max_frames = 0,
                          const std::function<void(const OdometryStep&)>& observe = {},
-                         const std::function<bool()>& cancelled = {});
+                         const std::function<bool()>& cancelled = {},
+                         const InertialOptions& inertial = {});
 
 /// Counts and errors of a run. Errors and lengths are NaN without two poses to measure them from
 /// (without ground truth, or where all else was lost), or where the path is too short.

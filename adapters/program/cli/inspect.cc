@@ -43,8 +43,8 @@ Command inspect_command(CLI::App& program) {
   command->add_option("path", arguments.path, "Folder or file")->type_name("FILE")->required();
   add_recording_options(command, arguments.stereo);
   add_topics(command, arguments.stereo.topics,
-             {"left", "right", "left_info", "right_info", "truth", "depth", "depth_info", "depth_1",
-              "depth_2", "depth_3", "scan", "pose"});
+             {"left", "right", "left_info", "right_info", "truth", "imu", "depth", "depth_info",
+              "depth_1", "depth_2", "depth_3", "scan", "pose"});
   add_fixed_frame(command, arguments.depth.fixed_frame);
   command->add_flag("--json", arguments.json, "Print JSON");
   return {command, [given](const Invocation&) { return inspect(*given); }};

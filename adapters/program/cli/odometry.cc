@@ -41,6 +41,34 @@ struct OdometryArguments {
   bool quiet = false;
 };
 
+nlohmann::ordered_json imu_json(const OdometryRun& run, const std::string& from) {
+  if (!run.imu) return {};
+  const OdometryRun::Imu& imu = *run.imu;
+  return {{"from", from},
+          {"samples", imu.samples},
+          {"taken", imu.taken},
+          {"left_out_because",
+           imu.reason.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(imu.reason)},
+          {"gyro_bias_rad_s", {imu.gyro_bias.x(), imu.gyro_bias.y(), imu.gyro_bias.z()}},
+          {"gyro_bias_sigma_rad_s", imu.gyro_bias_sigma},
+          {"up_moved_deg", kDegrees * imu.tilt},
+          {"frames_contradicted", imu.against}};
+}
+
+void print_imu(const OdometryRun& run) {
+  if (!run.imu) return;
+  const OdometryRun::Imu& imu = *run.imu;
+  std::printf(
+      "IMU          %zu of %zu samples taken; it contradicts %d frames; bias of its gyro "
+      "%.4f, %.4f, %.4f +- %.4f rad/s\n",
+      imu.taken, imu.samples, imu.against, imu.gyro_bias.x(), imu.gyro_bias.y(), imu.gyro_bias.z(),
+      imu.gyro_bias_sigma);
+  if (!imu.reason.empty()) std::printf("             left out: %s\n", imu.reason.c_str());
+  if (std::isfinite(imu.tilt)) {
+    std::printf("             what is up by it has moved by %.2f deg\n", kDegrees * imu.tilt);
+  }
+}
+
 nlohmann::ordered_json as_json(const std::string& name, const StereoDataset& dataset,
                                const std::vector<std::string>& notes, const OdometrySummary& s) {
   return {{"dataset", name},
@@ -155,8 +183,9 @@ void print(const OdometrySummary& s, bool truth) {
 }
 
 int odometry(const OdometryArguments& arguments, SignalGuard& signals) {
-  const StereoOdometryOptions options =
-      read_told_perception(arguments.configuration, {}, ConfigurationUse::kOdometry).odometry;
+  const PerceptionOptions perception =
+      read_told_perception(arguments.configuration, {}, ConfigurationUse::kOdometry);
+  const StereoOdometryOptions& options = perception.odometry;
   Progress progress(arguments.quiet);
   progress.show("reading " + arguments.dataset);
   const StereoDataset dataset = StereoDataset::open(arguments.dataset, arguments.options);
@@ -182,13 +211,14 @@ int odometry(const OdometryArguments& arguments, SignalGuard& signals) {
                   std::to_string(frame.tracked) + " points  " +
                   std::string(to_string(frame.state)));
   };
-  const OdometryRun run =
-      run_odometry(dataset, options, arguments.first, frames, observe, signals.came());
+  const OdometryRun run = run_odometry(dataset, options, arguments.first, frames, observe,
+                                       signals.came(), perception.inertial);
   progress.finish();
   const OdometrySummary summary = summarize(run);
   std::vector<std::string> notes = dataset.notes();
   notes.insert(notes.end(), run.notes.begin(), run.notes.end());
   auto json = as_json(arguments.dataset, dataset, notes, summary);
+  json["imu"] = imu_json(run, dataset.imu().from);
   std::optional<OdometryCalibrationResult> calibrated;
   if (calibration) {
     calibrated = calibration->result();
@@ -218,6 +248,7 @@ int odometry(const OdometryArguments& arguments, SignalGuard& signals) {
                 dataset.camera().left.width, dataset.camera().left.height);
     for (const std::string& note : notes) std::printf("note         %s\n", note.c_str());
     print(summary, !dataset.ground_truth().empty());
+    print_imu(run);
     if (calibrated) std::fputs(calibration_text(*calibrated).c_str(), stdout);
     if (out) std::printf("written to   %s\n", out->path().c_str());
   }
@@ -265,7 +296,7 @@ Command odometry_command(CLI::App& program) {
   add_configuration(command, arguments.configuration, "; of it, perception");
   add_recording_options(command, arguments.options);
   add_topics(command, arguments.options.topics,
-             {"left", "right", "left_info", "right_info", "truth"});
+             {"left", "right", "left_info", "right_info", "truth", "imu"});
   command
       ->add_option("--out", arguments.out,
                    "Folder for a page, the trajectory (TUM and KITTI), a table of frames and a "

@@ -199,11 +199,19 @@ void CameraSensors::scan(double stamp, const Pose& true_pose, SeenArea& seen) {
   }
 }
 
+void CameraSensors::imu(const ImuSample& sample) {
+  if (enters_ranges_) perception_.imu(sample);
+}
+
 void CameraSensors::enter(double stamp, const SensorFrame& ranges) {
   if (const auto* depth = std::get_if<DepthFrame>(&ranges)) {
     perception_.depth(stamp, *depth->image, depth->sensor);
   } else if (const auto* scan = std::get_if<ScanFrame>(&ranges)) {
     perception_.scan(stamp, *scan->in_B, scan->sensor);
+  } else if (const auto* sample = std::get_if<ImuSample>(&ranges)) {
+    ImuSample then = *sample;
+    then.stamp = stamp;
+    perception_.imu(then);
   }
 }
 

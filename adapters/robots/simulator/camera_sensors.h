@@ -43,6 +43,8 @@ TexturedMesh seen_mesh(const World& world, const SimulatorOptions& options);
 /// With realism the images are those of other cameras than the robot believes in, in another light
 /// (camera_effects.h), and people walk through them (people.h).
 ///
+/// An IMU (SimulatedImu) is held against the images.
+///
 /// Inputs arrive at once, so no depth image waits for a pose, but after leave_ranges(). A
 /// robot that is to use no wheels holds its pose while it is lost.
 ///
@@ -57,6 +59,7 @@ class CameraSensors final : public SimulatedSensors {
 
   void image(double stamp, const Pose& true_pose, const Twist& twist) override;
   void scan(double stamp, const Pose& true_pose, SeenArea& seen) override;
+  void imu(const ImuSample& sample) override;
   void enter(double stamp, const SensorFrame& ranges) override;
   std::shared_ptr<const Belief> belief(double stamp, const Pose& true_pose,
                                        const Twist& commanded) override;

@@ -11,6 +11,7 @@
 #include "engine/maps/belief.h"
 #include "engine/maps/correction.h"
 #include "engine/maps/planar_move.h"
+#include "models/imu_sample.h"
 #include "models/robot_shape.h"
 #include "models/types.h"
 #include "runtime/camera_picture.h"
@@ -33,10 +34,12 @@ class SimulatedSensors {
   virtual void image(double stamp, const Pose& true_pose, const Twist& twist) = 0;
   /// A depth image; what its rays have passed and met is entered in `seen`.
   virtual void scan(double stamp, const Pose& true_pose, SeenArea& seen) = 0;
-  /// From now on enter() alone enters in the map what the depth sensor measures: where its frames
-  /// take their time, or other ways.
+  /// From now on enter() alone takes in what the depth sensor and an IMU measure: where their
+  /// frames take their time, or other ways.
   void leave_ranges() { enters_ranges_ = false; }
-  /// A frame of the depth sensor, as if taken at `stamp` [s]. Any other does nothing.
+  /// What an IMU measured, of its time. Nothing after leave_ranges().
+  virtual void imu(const ImuSample&) {}
+  /// A frame of the depth sensor or the IMU, as if taken at `stamp` [s]. Any other does nothing.
   virtual void enter(double stamp, const SensorFrame& ranges) = 0;
 
   /// What the robot knows now, at a true pose reached since the newest image. `commanded` is the

@@ -70,6 +70,8 @@ void SimulatedStreams::observe(const SensorFrame& measured) {
       std::holds_alternative<ImuSample>(frame)) {
     frames_.observe(frame);
   }
+  // Before the image of its time, which is held against it.
+  if (std::holds_alternative<ImuSample>(frame)) take_frames();
   tell(observers_, &MissionObserver::on_frame, frame);
 }
 

@@ -192,6 +192,7 @@ void Simulator::apply(const Twist& twist, double duration) {
       if (!s.robot.move(s.twist, next - s.time)) s.twist = Twist{};
       for (const ImuSample& sample : s.imu.moved(before, s.time, s.robot.pose(), next)) {
         if (s.sink != nullptr) s.sink->observe(sample);
+        s.sensors->imu(sample);
       }
       if (s.sensors->localization() == Localization::kLost) s.lost_time += next - s.time;
       s.time = next;

@@ -395,7 +395,7 @@ std::string perceived(const PerceptionOptions& perception, Use use) {
   Text text;
   text.text.precision(17);
   if (use == Use::kOdometry) {
-    text.add_all(perception.odometry);
+    text.add_all(perception.odometry), text.add_all(perception.inertial);
   } else if (use == Use::kMapScans) {
     text.add_all(perception.scan_mapping), text.add_all(perception.mapping);
   } else {

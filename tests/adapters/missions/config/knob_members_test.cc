@@ -37,6 +37,7 @@
 #include "models/robot_shape.h"
 #include "models/unicycle.h"
 #include "models/unicycle_accel.h"
+#include "perception/fusion/inertial_witness.h"
 #include "perception/fusion/scale_agreement.h"
 #include "perception/fusion/wheel_fusion.h"
 #include "perception/mapping/occupancy_mapper.h"
@@ -372,6 +373,12 @@ TEST(KnobMembers, EveryNumberAndSwitchIsAKnob) {
     EXPECT_KNOBS(o, along, across, turn, heading, sigma_scale);
   }
   {
+    InertialOptions o;
+    [[maybe_unused]] auto& [gyro_bias, bias_walk, gyro_noise, gyro_share, acceleration, gate,
+                            max_gap] = o;
+    EXPECT_KNOBS(o, gyro_bias, bias_walk, gyro_noise, gyro_share, acceleration, gate, max_gap);
+  }
+  {
     WheelFusionOptions o;
     [[maybe_unused]] auto& [noise, scale_walk, gate, slips, max_wheel_gap, unknown_speed, max_wait,
                             max_dead_reckoning, piece, pieces, agreement, start] = o;
@@ -407,10 +414,10 @@ TEST(KnobMembers, EveryNumberAndSwitchIsAKnob) {
   {
     PerceptionOptions o;
     [[maybe_unused]] auto& [stereo_mount, depth_camera, more_depth_cameras, odometry, mapping,
-                            depth_mapping, scan_mapping, wheels, wheel_fusion, feature_density,
-                            loops, poses_drift, start, start_floor, start_in_space, same_time,
-                            max_age, max_leap, max_ahead, pose_degraded, pose_lost, most_waiting] =
-        o;
+                            depth_mapping, scan_mapping, wheels, wheel_fusion, inertial,
+                            feature_density, loops, poses_drift, start, start_floor, start_in_space,
+                            same_time, max_age, max_leap, max_ahead, pose_degraded, pose_lost,
+                            most_waiting] = o;
     EXPECT_KNOBS(o, wheels, loops, start_floor, same_time, max_age, max_leap, max_ahead,
                  pose_degraded, pose_lost, most_waiting);
   }
