@@ -25,6 +25,7 @@
 #include "adapters/robots/simulator/feature_field.h"
 #include "adapters/robots/simulator/people.h"
 #include "adapters/robots/simulator/scene_renderer.h"
+#include "adapters/robots/simulator/simulator_options.h"
 #include "adapters/robots/simulator/world_mesh.h"
 #include "benchmarks/program_options.h"
 
@@ -94,7 +95,7 @@ int run(int argc, char** argv) {
   std::vector<double> start;
   WorldMeshOptions mesh_options;
   int frames = 40;
-  double realism = 0.0;
+  double realism = CameraSensorsOptions{}.realism;
   options.add("world", name, "as for `prospect explore`");
   options.add("--start", start, "X Y YAW [m, rad]", {.count = 3});
   options.add("--quality", mesh_options.texture_quality, "contrast of the texture, 0..1");

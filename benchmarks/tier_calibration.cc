@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // tier_calibration --out DIR [--worlds LIST] [--seeds N] [--first-seed N] [--length L]
-//                  [--sensors model|camera|both] [--set KEY=VALUE...]: the kinematic tier against
-//                  the camera tier on the
-// same true paths. A tour drives from place to place, drawn from the seed among all that the robot
-// gets to, with no regard for what it sees: turning on the spot towards a place that lies beside or
-// behind, at 0.5 m/s and 0.8 rad/s at most. The tour depends on world and seed alone, so both tiers
-// see from the same poses at the same times, and a tier that is changed is driven on the same path.
+//                  [--sensors model|camera|both|none] [--set KEY=VALUE...]
+// The kinematic tier against the camera tier on the same true paths. A tour drives from place to
+// place, drawn from the seed among all that the robot gets to, with no regard for what it sees:
+// turning on the spot towards a place that lies beside or behind, at 0.5 m/s and 0.8 rad/s at most.
+// The tour depends on world and seed alone, so both tiers see from the same poses at the same
+// times, and a tier that is changed is driven on the same path. Only people, whom cameras meet, may
+// stop it: such a tour is left out.
 //
 // Each drive becomes a table of images, DIR/WORLD_SEED_SENSORS.csv; those that are there already
 // are not driven again. Then, over all worlds and seeds asked for of which both tables are there:
@@ -13,13 +14,17 @@
 //   < 20, < 10   share of images with fewer [%]
 //   lost         losses per 100 m driven, and share of the time lost [%]
 //   drift        over pieces of 2 m of the path in which neither tier was lost: median and root
-//   mean
-//                square of the relative position error [mm/m], and of the heading error [mrad/m].
-//                For long after a loss the fusion with wheels pays back what the wheels erred by
-//                then, on turns and in jumps: the median leaves that out, the mean square does not
+//                mean square of the relative position error [mm/m], and of the heading error
+//                [mrad/m]. For long after a loss the fusion with wheels pays back what the wheels
+//                erred by then, on turns and in jumps: the median leaves that out, the mean square
+//                does not
 //   all          root mean square of the position error over all pieces of 5 m, lost or not [mm/m]
 // and the ratio of the kinematic tier to the camera tier of each, with the 95 % interval of a
-// bootstrap over blocks of 10 m of path, which both tiers share. Same arguments, same numbers.
+// bootstrap over blocks of 10 m of path, which both tiers share.
+//
+// At last, of each drive in both tiers, what its errors have in common while it is not lost, by
+// least squares over all images: of the length of motions [%], of their direction in the body
+// [mrad], and of turns [%]; with their root mean square over drives. Same arguments, same numbers.
 
 #include <algorithm>
 #include <cmath>
@@ -288,11 +293,13 @@ double quantile(std::vector<double>& values, double share) {
   return values[static_cast<std::size_t>(n)];
 }
 
+/// From one pose to another, in the frame of the first [m].
+Eigen::Vector2d motion(const Pose& a, const Pose& b) {
+  return Eigen::Rotation2Dd(-a.yaw) * (b.position - a.position).head<2>();
+}
+
 /// Squares of the position [m^2] and heading [rad^2] error of the motion from one row to another.
 std::pair<double, double> squared_error(const Row& from, const Row& to) {
-  const auto motion = [](const Pose& a, const Pose& b) -> Eigen::Vector2d {
-    return Eigen::Rotation2Dd(-a.yaw) * (b.position - a.position).head<2>();
-  };
   const Eigen::Vector2d e =
       motion(from.estimate, to.estimate) - motion(from.true_pose, to.true_pose);
   const double turn = std::remainder(
@@ -359,10 +366,50 @@ void add_images(const Drive& drive, Sums Block::*tier, std::vector<Block>& block
   }
 }
 
-void add(const Drive& camera, const Drive& model, std::vector<Block>& blocks) {
-  if (camera.empty() || camera.size() != model.size()) {
-    throw InputError("the tables of the tiers are of different tours");
+/// What the errors of a drive have in common: (scale, direction [rad], turn [share]).
+Eigen::Vector3d lasting_errors(const Drive& drive) {
+  double along = 0.0, across = 0.0, way = 0.0, turn = 0.0, turned = 0.0;
+  for (std::size_t n = 1; n < drive.size(); ++n) {
+    const Row &from = drive[n - 1], &to = drive[n];
+    if (from.lost || to.lost) continue;
+    const Eigen::Vector2d d = motion(from.true_pose, to.true_pose);
+    const Eigen::Vector2d e = motion(from.estimate, to.estimate) - d;
+    const double a = std::remainder(to.true_pose.yaw - from.true_pose.yaw, 2.0 * M_PI);
+    const double estimated = std::remainder(to.estimate.yaw - from.estimate.yaw, 2.0 * M_PI);
+    along += d.dot(e);
+    across += d.x() * e.y() - d.y() * e.x();
+    way += d.squaredNorm();
+    turn += a * (estimated - a);
+    turned += a * a;
   }
+  return {along / way, across / way, turn / turned};
+}
+
+struct Lasting {
+  std::string drive;
+  Eigen::Vector3d camera, model;
+};
+
+void report(const std::vector<Lasting>& drives) {
+  const Eigen::Array3d unit(100.0, 1e3, 100.0);
+  Eigen::Array3d camera = Eigen::Array3d::Zero(), model = camera;
+  const auto print = [&](const std::string& name, const Eigen::Array3d& c,
+                         const Eigen::Array3d& m) {
+    const Eigen::Array3d of_camera = unit * c, of_model = unit * m;
+    std::printf("  %-24s %8.3f %8.2f %8.3f   %8.3f %8.2f %8.3f\n", name.c_str(), of_camera[0],
+                of_camera[1], of_camera[2], of_model[0], of_model[1], of_model[2]);
+  };
+  std::printf("in common, scale [%%], direction [mrad], turn [%%]: camera, model\n");
+  for (const Lasting& l : drives) {
+    print(l.drive, l.camera, l.model);
+    camera += l.camera.array().square() / static_cast<double>(drives.size());
+    model += l.model.array().square() / static_cast<double>(drives.size());
+  }
+  print("root mean square", camera.sqrt(), model.sqrt());
+}
+
+void add(const Drive& camera, const Drive& model, std::vector<Block>& blocks) {
+  if (camera.empty()) throw InputError("a table of no images");
   const std::size_t first = blocks.size();
   blocks.resize(first + static_cast<std::size_t>(camera.back().path / 10.0) + 1);
   add_images(camera, &Block::camera, blocks, first);
@@ -440,8 +487,9 @@ int main_program(int argc, char** argv) {
   options.add("--seeds", a.seeds, "how many", {.least = 1, .most = 1000});
   options.add("--first-seed", a.first_seed, "the first of them", {.least = 1, .most = 100000});
   options.add("--length", a.length, "of a tour [m]", {.least = 5.0, .most = 1e5});
-  options.add("--sensors", a.sensors, "which drives: model, camera, both",
-              {.one_of = {"model", "camera", "both"}});
+  options.add("--sensors", a.sensors,
+              "which drives: model, camera, both; none: only the tables that are there",
+              {.one_of = {"model", "camera", "both", "none"}});
   options.add("--set", a.settings, "KEY=VALUE of the configuration, in a folder of its own");
   options.add("--out", a.out, "folder of the tables", {.required = true});
   if (const std::optional<int> end = options.parse(argc, argv)) return *end;
@@ -456,18 +504,28 @@ int main_program(int argc, char** argv) {
   }
   std::printf("%-26s %8s %8s   %s\n", "", "camera", "model", "model / camera [95 %]");
   std::vector<Block> everything;
+  std::vector<Lasting> lasting;
   for (const std::string& world : a.worlds) {
     std::vector<Block> blocks;
     for (int seed = a.first_seed; seed < a.first_seed + a.seeds; ++seed) {
       const std::string camera = table_of(a, world, seed, "camera");
       const std::string model = table_of(a, world, seed, "model");
-      if (fs::exists(camera) && fs::exists(model)) add(read(camera), read(model), blocks);
+      if (!fs::exists(camera) || !fs::exists(model)) continue;
+      const Drive by_camera = read(camera), by_model = read(model);
+      if (by_camera.size() != by_model.size()) {
+        std::printf("%s: left out, somebody stood in the way\n", camera.c_str());
+        continue;
+      }
+      add(by_camera, by_model, blocks);
+      lasting.push_back(
+          {fs::path(camera).stem().string(), lasting_errors(by_camera), lasting_errors(by_model)});
     }
     if (blocks.empty()) continue;
     report(world, blocks);
     everything.insert(everything.end(), blocks.begin(), blocks.end());
   }
   if (a.worlds.size() > 1 && !everything.empty()) report("all", everything);
+  if (!lasting.empty()) report(lasting);
   return 0;
 }
 

@@ -273,7 +273,9 @@ void read_simulator(YamlMap map, Configuration& c) {
 void read_perception(YamlMap map, ConfigurationUse use, Configuration& c) {
   const bool camera = c.simulator.sensors == Sensors::kCamera;
   if (camera && (is_simulated(use) || use == ConfigurationUse::kAny)) {
-    c.perception = simulated_perception(c.simulator.wheels);
+    SimulatorOptions simulator = c.simulator;
+    simulator.features.stereo = c.robot.stereo;
+    c.perception = simulated_perception(simulator);
   }
   c.perception = read_knobs(std::move(map), c.perception);
 }

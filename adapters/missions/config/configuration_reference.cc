@@ -129,7 +129,7 @@ std::string configuration_reference() {
     } else if (group == "perception") {
       page +=
           "Of the simulator's robot, other defaults, of wheels those that `simulator.wheels` "
-          "has:\n\n" +
+          "has, of the calibration what is drawn (`simulator.camera.effects`):\n\n" +
           table(different(entries_of("simulator: {sensors: camera}"), entries), "perception.");
     } else if (group == "zones") {
       std::vector<ConfigEntry> lists = entries_of(

@@ -12,6 +12,7 @@
 #include "engine/support/cholesky.h"
 #include "engine/support/eigenvalues.h"
 #include "models/knobs.h"
+#include "models/mixed_bits.h"
 #include "models/parameter_check.h"
 
 namespace prospect {
@@ -52,7 +53,16 @@ OdometryModel::OdometryModel(const OdometryOptions& options, const StereoCamera&
   check_parameter(std::isfinite(position_scale_) && std::isfinite(heading_scale_), "odometry",
                   "information", reference(0, 0),
                   "regular at the reference points: check camera and mount");
+  std::mt19937_64 calibration(mixed_bits(seed));
+  std::normal_distribution<double> normal;
+  for (const int error : {0, 1, 2}) {
+    calibration_[error] = calibration_sigma()[error] * normal(calibration);
+  }
   lost_covariance_ = keyframe_covariance(reference_points(stereo, std::max(1, options.lost_below)));
+}
+
+Eigen::Vector3d OdometryModel::calibration_sigma() const {
+  return {options_.scale_error, options_.direction_error, options_.turn_error};
 }
 
 std::vector<Eigen::Vector3d> OdometryModel::reference_points(const StereoCamera& stereo,
@@ -132,6 +142,7 @@ bool OdometryModel::image(const Pose& true_pose, const std::vector<Eigen::Vector
     turned_since_loss_ = 0.0;
     if (!adrift_) {
       covariance_at_loss_ = covariance_;
+      by_calibration_at_loss_ = by_calibration_;
       place_at_loss_ = keyframe_.position;
       drift_covariance_ = Eigen::Vector4d(1e-4, 1e-4, 0.0, 2.5e-5).asDiagonal();
     }
@@ -154,7 +165,12 @@ bool OdometryModel::image(const Pose& true_pose, const std::vector<Eigen::Vector
       lost_covariance_ +
       Eigen::Matrix3d(Eigen::Vector3d(position * position, position * position, heading * heading)
                           .asDiagonal());
-  if (!lost && before != Localization::kLost) {
+  const bool seen = !lost && before != Localization::kLost;
+  Eigen::Matrix3d B = Eigen::Matrix3d::Zero();  // de / dc
+  if (seen) {
+    const Eigen::Vector2d d = rotation(-true_pose.yaw) * moved.head<2>();
+    B.topLeftCorner<2, 2>() << d.x(), -d.y(), d.y(), d.x();
+    B(2, 2) = turned;
     // (Q^-1 + P^-1)^-1, also where one of them is zero.
     const Eigen::Matrix3d P = keyframe_covariance(points_C);
     const Eigen::Matrix3d sum = Q + P;
@@ -172,7 +188,8 @@ bool OdometryModel::image(const Pose& true_pose, const std::vector<Eigen::Vector
   for (int a = 0; a < 3; ++a) draw[a] = normal(noise_);
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(Q);
   const Eigen::Vector3d error =
-      eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().cwiseProduct(draw);
+      eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().cwiseProduct(draw) +
+      B * calibration_;
 
   const Pose old = keyframe_;
   keyframe_ = estimate(true_pose);
@@ -184,6 +201,7 @@ bool OdometryModel::image(const Pose& true_pose, const std::vector<Eigen::Vector
   G.topLeftCorner<2, 2>() = rotation(keyframe_.yaw);
   G(3, 2) = 1.0;
   covariance_ = F * covariance_ * F.transpose() + G * Q * G.transpose();
+  by_calibration_ = F * by_calibration_ + G * B;
   drift_covariance_ = F * drift_covariance_ * F.transpose() + G * Q * G.transpose();
 
   keyframe_.yaw += error[2];
@@ -200,6 +218,7 @@ void OdometryModel::relocalize(const Pose& true_pose, const Pose& found,
   if (adrift_) {
     const Eigen::Matrix4d F = motion_jacobian(found.position - place_at_loss_);
     covariance_ = F * covariance_at_loss_ * F.transpose();
+    by_calibration_ = F * by_calibration_at_loss_;
     const Eigen::Vector3i planar(0, 1, 3);
     covariance_(planar, planar) += covariance;
   }
@@ -208,7 +227,8 @@ void OdometryModel::relocalize(const Pose& true_pose, const Pose& found,
 
 Eigen::Matrix4d OdometryModel::covariance(const Pose& true_pose) const {
   const Eigen::Matrix4d F = motion_jacobian(estimate(true_pose).position - keyframe_.position);
-  return F * covariance_ * F.transpose();
+  const Eigen::Matrix<double, 4, 3> K = by_calibration_ * calibration_sigma().asDiagonal();
+  return F * (covariance_ + K * K.transpose()) * F.transpose();
 }
 
 void OdometryModel::carry(const Pose& from, const Pose& true_pose) {

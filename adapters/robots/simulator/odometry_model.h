@@ -23,8 +23,14 @@ struct OdometryOptions {
   /// Root-mean-square error of one keyframe at 200 well-spread points: horizontal position [m] and
   /// heading [rad]. Measured: medians of the odometry's error over 2 m while it is not lost
   /// (docs/results/simulator.md, "One fidelity against the other").
-  double position_sigma = 0.0005;
-  double heading_sigma = 0.00008;
+  double position_sigma = 0.0014;
+  double heading_sigma = 0.00014;
+  /// What a mission errs by on its whole way, drawn once, one standard deviation: of the length of
+  /// motions [share], of their direction in the body [rad], and of turns [share]. Measured: as
+  /// above, of cameras whose calibration is as good as real ones' (camera_effects.h).
+  double scale_error = 0.006;
+  double direction_error = 0.004;
+  double turn_error = 0.0025;
   /// Tracked features: StereoOdometryOptions::lost_points and degraded_points.
   int lost_below = 12;
   int degraded_below = 40;
@@ -59,13 +65,18 @@ void describe(Knobs& knobs, OdometryOptions& options);
 /// as 1/N for points alike, and grows for far or clustered ones. Standard deviations of Q are
 /// bounded by 5 cm and 0.05 rad. Below lost_below tracked points the motion is reckoned from the
 /// wheels, with covariance P of the reckoning and, on top, of lost_below reference points, so that
-/// being lost is never better than seeing a few. While points are tracked, wheels and vision are
+/// being lost is never better than seeing a few. A motion that vision measured errs besides by what
+/// a mission's calibration does, c = (scale, direction, turn) ~ N(0, C), C of the variances of
+/// scale_error, direction_error and turn_error, with d = R(yaw)^T dp and J a quarter turn:
+///   e_xy = R(dyaw)^T (c_1 d + c_2 J d),   e_yaw = c_3 dyaw,
+/// which grows with the way, and not with its root. While points are tracked, wheels and vision are
 /// fused, (Q^-1 + P^-1)^-1 instead of Q, which counts where points are few or clustered. After a
 /// loss a turn by dyaw adds |dyaw| exp(-2 T / T_0) diag(a_p^2 / 2, a_p^2 / 2, a_yaw^2), T being
 /// what has been turned since, T_0 after_loss_turning. Between keyframes the motion since the last
 /// one is taken as exact: its error does not accumulate.
 ///
-/// Covariance of (x, y, z, yaw) from the start: first-order composition of the same Q; z is known.
+/// Covariance of (x, y, z, yaw) from the start: first-order composition of the same Q, and
+/// K C K^T, K composed of the derivatives of these e by c; z is known.
 /// Source: calibration against StereoOdometry on rendered images; the model is our choice.
 /// Thread-safety: one thread. Deterministic in (options, seed, sequence of calls).
 class OdometryModel {
@@ -108,6 +119,7 @@ class OdometryModel {
   static std::vector<Eigen::Vector3d> reference_points(const StereoCamera& stereo, int count = 200);
 
  private:
+  Eigen::Vector3d calibration_sigma() const;
   Eigen::Matrix3d information(const std::vector<Eigen::Vector3d>& points_C) const;
 
   OdometryOptions options_;
@@ -119,9 +131,12 @@ class OdometryModel {
   Eigen::Matrix3d lost_covariance_ = Eigen::Matrix3d::Zero();  // of lost_below reference points
   Pose true_keyframe_;
   Pose keyframe_;
-  Eigen::Matrix4d covariance_ = Eigen::Matrix4d::Zero();  // at keyframe_
+  Eigen::Vector3d calibration_;                           // c
+  Eigen::Matrix4d covariance_ = Eigen::Matrix4d::Zero();  // at keyframe_, without c
+  Eigen::Matrix<double, 4, 3> by_calibration_ = Eigen::Matrix<double, 4, 3>::Zero();  // K
   Eigen::Vector3d place_at_loss_ = Eigen::Vector3d::Zero();
   Eigen::Matrix4d covariance_at_loss_ = Eigen::Matrix4d::Zero();
+  Eigen::Matrix<double, 4, 3> by_calibration_at_loss_ = Eigen::Matrix<double, 4, 3>::Zero();
   Eigen::Matrix4d drift_covariance_ = Eigen::Matrix4d::Zero();
   double turned_since_loss_ = 0.0;  // [rad]
   bool adrift_ = false;             // lost, and neither found again nor given up since

@@ -162,7 +162,7 @@ Simulator::Simulator(std::shared_ptr<const World> world, const SimulatorOptions&
                      const PerceptionOptions& perception)
     : impl_(std::make_unique<Impl>(std::move(world), options, perception)) {}
 Simulator::Simulator(std::shared_ptr<const World> world, const SimulatorOptions& options)
-    : Simulator(std::move(world), options, simulated_perception(options.wheels)) {}
+    : Simulator(std::move(world), options, simulated_perception(options)) {}
 Simulator::~Simulator() = default;
 
 std::shared_ptr<const Belief> Simulator::sense() {

@@ -2,6 +2,7 @@
 // The descriptions of options, in a library of their own: reading a configuration builds nothing
 // that acts on them.
 
+#include <algorithm>
 #include <limits>
 #include <string>
 
@@ -118,6 +119,11 @@ void describe(Knobs& knobs, OdometryOptions& o) {
                "error of a keyframe at 200 points");
   knobs.number("heading_sigma", o.heading_sigma, {0.0, 1.0}, "rad",
                "error of a keyframe at 200 points");
+  knobs.number("scale_error", o.scale_error, {0.0, 0.3}, "1",
+               "of the length of all motions, drawn for a mission");
+  knobs.number("direction_error", o.direction_error, {0.0, 0.3}, "rad",
+               "likewise of their direction in the body");
+  knobs.number("turn_error", o.turn_error, {0.0, 0.3}, "1", "likewise, share of the angle turned");
   knobs.integer("lost_below", o.lost_below, {0, 10000}, "1", "tracked points: lost");
   knobs.integer("degraded_below", o.degraded_below, {0, 10000}, "1", "tracked points: degraded");
   knobs.require(o.degraded_below >= o.lost_below, "degraded_below",
@@ -155,13 +161,6 @@ void describe(Knobs& knobs, WalkersOptions& o) {
                "to the robot's middle, within which they go no nearer to it");
 }
 
-PerceptionOptions simulated_perception(const WheelNoise& wheels) {
-  PerceptionOptions perception;
-  perception.wheel_fusion.noise = wheels;
-  perception.max_ahead = std::numeric_limits<double>::infinity();
-  return perception;
-}
-
 void describe(Knobs& knobs, SimulatedImuOptions& o) {
   knobs.number("rate", o.rate, {0.0, 1000.0}, "1/s", "samples; 0: the robot has no IMU");
   knobs.number("gyro_bias", o.gyro_bias, {0.0, 1.0}, "rad/s",
@@ -190,6 +189,22 @@ void describe(Knobs& knobs, SimulatorOptions& o) {
   knobs.group("imu", [&] { describe(knobs, o.imu); });
   knobs.group("camera", [&] { describe(knobs, o.camera); });
   knobs.group("walkers", [&] { describe(knobs, o.walkers); });
+}
+
+PerceptionOptions simulated_perception(const SimulatorOptions& options) {
+  PerceptionOptions perception;
+  perception.wheel_fusion.noise = options.wheels;
+  perception.max_ahead = std::numeric_limits<double>::infinity();
+  const CameraEffects effects = scaled(options.camera.effects, options.camera.realism);
+  const auto at_least = [](double& sigma, double drawn) { sigma = std::max(sigma, drawn); };
+  CalibrationErrorOptions& calibration = perception.odometry.calibration;
+  at_least(calibration.principal_point, effects.principal_point);
+  at_least(calibration.focal_length, effects.focal_length);
+  at_least(calibration.baseline, effects.baseline);
+  // Cameras that turn towards each other shift all disparities.
+  at_least(perception.odometry.disparity_offset.prior_sigma,
+           options.features.stereo.left.fx * effects.rotation);
+  return perception;
 }
 
 OccupancyMapperOptions mapping_options(const SimulatorOptions& options,

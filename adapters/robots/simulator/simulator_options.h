@@ -43,7 +43,7 @@ struct CameraSensorsOptions {
   /// from those below.
   CameraRigOptions rig;
   /// Of the effects' size: 0 ideal cameras in an empty world, 1 as real ones.
-  double realism = 0.0;
+  double realism = 1.0;
   CameraEffects effects;
   /// Contrast of all surfaces: 1 rich, 0 blank.
   double texture_quality = 1.0;
@@ -59,10 +59,6 @@ void describe(Knobs& knobs, CameraSensorsOptions& options);
 /// scales are drawn once.
 constexpr WheelNoise kSimulatedWheels{
     .along = 0.02, .across = 0.01, .turn = 0.01, .heading = 0.005, .sigma_scale = 0.01};
-
-/// How a simulated robot perceives unless it is told otherwise: its fusion knows how the wheels
-/// err. Inputs come at once, so none waits for a pose (max_ahead).
-PerceptionOptions simulated_perception(const WheelNoise& wheels = kSimulatedWheels);
 
 /// A correction of the map's frame that somebody makes at `time` [s] (correction.h): a place that
 /// was at p is at R(yaw) p + (x, y) [m], [rad] then.
@@ -117,6 +113,11 @@ struct SimulatorOptions {
 /// The knobs (models/knobs.h): all that does not come from the robot, the world or the command
 /// line.
 void describe(Knobs& knobs, SimulatorOptions& options);
+
+/// How the robot of a simulation perceives unless it is told otherwise: its fusion knows how the
+/// wheels err, and its odometry how far the calibration of the cameras may be off, where that is
+/// more than usual. Inputs come at once, so none waits for a pose (max_ahead).
+PerceptionOptions simulated_perception(const SimulatorOptions& options = {});
 
 /// `mapping`, with what it takes from the robot: slice is body_slice() of shape and base_height,
 /// max_range the longest of the depth sensors.

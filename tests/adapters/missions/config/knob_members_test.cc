@@ -442,12 +442,13 @@ TEST(KnobMembers, EveryNumberAndSwitchIsAKnob) {
   {
     OdometryOptions o;
     [[maybe_unused]] auto& [perfect, keyframe_distance, keyframe_angle, position_sigma,
-                            heading_sigma, lost_below, degraded_below, reckoning_distance,
-                            reckoning_angle, reckoning_heading, after_loss_position,
-                            after_loss_heading, after_loss_turning] = o;
+                            heading_sigma, scale_error, direction_error, turn_error, lost_below,
+                            degraded_below, reckoning_distance, reckoning_angle, reckoning_heading,
+                            after_loss_position, after_loss_heading, after_loss_turning] = o;
     EXPECT_KNOBS(o, perfect, keyframe_distance, keyframe_angle, position_sigma, heading_sigma,
-                 lost_below, degraded_below, reckoning_distance, reckoning_angle, reckoning_heading,
-                 after_loss_position, after_loss_heading, after_loss_turning);
+                 scale_error, direction_error, turn_error, lost_below, degraded_below,
+                 reckoning_distance, reckoning_angle, reckoning_heading, after_loss_position,
+                 after_loss_heading, after_loss_turning);
   }
   {
     DepthCameraOptions o;

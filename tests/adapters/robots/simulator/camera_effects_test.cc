@@ -7,6 +7,8 @@
 #include <functional>
 #include <vector>
 
+#include "adapters/robots/simulator/simulator_options.h"
+
 namespace prospect::camera_effects_test {
 namespace {
 
@@ -56,6 +58,26 @@ TEST(CameraEffects, ACalibrationIsDrawnFromTheSeedWithinItsSpread) {
   EXPECT_GT(turn, 0.0);
   EXPECT_LT(turn, 3.6 * std::sqrt(3.0) * effects.mount);
   EXPECT_EQ(mount.T_BC.translation(), turned.T_BC.translation());
+}
+
+TEST(CameraEffects, TheRobotIsToldHowFarItsCalibrationMayBeOff) {
+  SimulatorOptions options;
+  const CameraEffects& drawn = options.camera.effects;
+  const PerceptionOptions usual;
+  for (const double realism : {0.0, 1.0, 3.0}) {
+    options.camera.realism = realism;
+    const PerceptionOptions told = simulated_perception(options);
+    const CalibrationErrorOptions& calibration = told.odometry.calibration;
+    EXPECT_GE(calibration.principal_point, realism * drawn.principal_point);
+    EXPECT_GE(calibration.focal_length, realism * drawn.focal_length);
+    EXPECT_GE(calibration.baseline, realism * drawn.baseline);
+    EXPECT_GE(told.odometry.disparity_offset.prior_sigma,
+              realism * drawn.rotation * options.features.stereo.left.fx);
+    if (realism > 0.0) continue;
+    EXPECT_EQ(calibration.focal_length, usual.odometry.calibration.focal_length);
+    EXPECT_EQ(told.odometry.disparity_offset.prior_sigma,
+              usual.odometry.disparity_offset.prior_sigma);
+  }
 }
 
 TEST(CameraEffects, ScaledToNothingIsNothing) {

@@ -64,6 +64,13 @@ SimulatorOptions small_cameras() {
   return options;
 }
 
+/// Of exact geometry, for tests that measure against the true one.
+SimulatorOptions ideal_cameras() {
+  SimulatorOptions options = small_cameras();
+  options.camera.realism = 0.0;
+  return options;
+}
+
 Twist twist(double v, double w) {
   Twist t;
   t.linear.x() = v;
@@ -79,7 +86,7 @@ void tour(Simulator& simulator) {
 
 TEST_F(CameraSensorsTest, FollowsTheRobotAndMapsWhatIsThere) {
   const auto world = room_with_an_opening();
-  Simulator simulator(world, small_cameras());
+  Simulator simulator(world, ideal_cameras());
   const auto first = simulator.sense();
   EXPECT_EQ(first->pose.position, world->start.position);
   EXPECT_GT(first->ground->free_cells(), 100);
@@ -165,7 +172,7 @@ std::shared_ptr<World> tiled_room(double length, double width, double tile) {
 
 TEST_F(CameraSensorsTest, OnATiledFloorTheWheelsTellWhichTile) {
   NOT_UNDER_SANITIZERS("missions go the ways of drives and of steps");
-  Simulator simulator(tiled_room(9.0, 7.0, 0.15), small_cameras());
+  Simulator simulator(tiled_room(9.0, 7.0, 0.15), ideal_cameras());
   // Another tile than the right one is a jump of a tile, and stays. A floor is seen at a slant, and
   // every tile has the same corners: what that does to one is done to all, and drifts.
   constexpr double kTile = 0.15;
@@ -199,10 +206,9 @@ TEST_F(CameraSensorsTest, SameSeedSameBitsWithAnyNumberOfThreads) {
   EXPECT_NE(a.estimated_pose().position, c.estimated_pose().position);
 }
 
-TEST_F(CameraSensorsTest, AMissionWithRealCamerasIsTheSameAgain) {
+TEST_F(CameraSensorsTest, AMissionWithPeopleIsTheSameAgain) {
   const auto world = room_with_an_opening();
   SimulatorOptions one = small_cameras();
-  one.camera.realism = 1.0;
   one.camera.effects.people = 8.0;  // two or three in so small a room
   SimulatorOptions two = one, other = one, ideal = one;
   two.camera.rig.threads = 2;
@@ -275,7 +281,7 @@ TEST_F(CameraSensorsTest, AMissionExploresByWhatTheCamerasSee) {
   EXPECT_EQ(s.collisions, 0);
   EXPECT_GT(s.coverage, 0.5);
   EXPECT_GT(s.path_length_m, 2.0);
-  EXPECT_LT(s.localization_final_m, 0.05);
+  EXPECT_LT(s.localization_final_m, 0.02 * s.path_length_m);  // vision alone: 0.5 to 2 %
 }
 
 TEST_F(CameraSensorsTest, RefusesACalibrationThatTheDepthCameraContradicts) {

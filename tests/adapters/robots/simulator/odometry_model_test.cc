@@ -16,6 +16,13 @@ namespace {
 const StereoCamera kStereo;
 const CameraMount kMount;
 
+/// Keyframes err, the calibration does not.
+OdometryOptions calibrated() {
+  OdometryOptions options;
+  options.scale_error = options.direction_error = options.turn_error = 0.0;
+  return options;
+}
+
 double position_sigma(const Eigen::Matrix3d& Q) { return std::sqrt(Q(0, 0) + Q(1, 1)); }
 
 std::vector<Eigen::Vector3d> repeated(const std::vector<Eigen::Vector3d>& points, int times) {
@@ -27,8 +34,8 @@ std::vector<Eigen::Vector3d> repeated(const std::vector<Eigen::Vector3d>& points
 TEST(OdometryModel, CalibratedAtTwoHundredSpreadPoints) {
   const OdometryModel model({}, kStereo, kMount, {}, 1);
   const Eigen::Matrix3d Q = model.keyframe_covariance(OdometryModel::reference_points(kStereo));
-  EXPECT_NEAR(position_sigma(Q), 0.0005, 1e-12);
-  EXPECT_NEAR(std::sqrt(Q(2, 2)), 0.00008, 1e-12);
+  EXPECT_NEAR(position_sigma(Q), OdometryOptions().position_sigma, 1e-12);
+  EXPECT_NEAR(std::sqrt(Q(2, 2)), OdometryOptions().heading_sigma, 1e-12);
 }
 
 TEST(OdometryModel, CovarianceFallsAsOneOverTheNumberOfPoints) {
@@ -82,7 +89,8 @@ double sampled_drift(int count, double* heading) {
   double sum = 0.0, sum_heading = 0.0;
   constexpr int kSeeds = 3000;
   for (int seed = 0; seed < kSeeds; ++seed) {
-    OdometryModel model({}, kStereo, kMount, {}, static_cast<std::uint64_t>(seed) * 7919 + 1);
+    OdometryModel model(calibrated(), kStereo, kMount, {},
+                        static_cast<std::uint64_t>(seed) * 7919 + 1);
     Pose pose;
     pose.position.x() = 0.2;
     EXPECT_TRUE(model.image(pose, points));
@@ -99,10 +107,42 @@ TEST(OdometryModel, SampledDriftFollowsOneOverTheRootOfTheCount) {
   double h200 = 0.0, h50 = 0.0;
   const double d200 = sampled_drift(200, &h200);
   const double d50 = sampled_drift(50, &h50);
-  EXPECT_NEAR(d200, 0.0005, 0.0005 * 0.05);  // three deviations of the estimate over 3000 seeds
-  EXPECT_NEAR(h200, 0.00008, 0.00008 * 0.05);
+  const double position = calibrated().position_sigma, heading = calibrated().heading_sigma;
+  EXPECT_NEAR(d200 / position, 1.0, 0.05);  // three deviations of the estimate over 3000 seeds
+  EXPECT_NEAR(h200 / heading, 1.0, 0.05);
   EXPECT_NEAR(d50 / d200, 2.0, 0.2);
   EXPECT_NEAR(h50 / h200, 2.0, 0.25);
+}
+
+// Keyframes do not err here: what is left is the mission's own, and grows with the way.
+TEST(OdometryModel, AWrongCalibrationStretchesBendsAndTurnsAllMotionsAlike) {
+  OdometryOptions options;
+  options.position_sigma = options.heading_sigma = 0.0;
+  const auto points = OdometryModel::reference_points(kStereo);
+  const auto off = [&](std::uint64_t seed, int keyframes, double turn) {
+    OdometryModel model(options, kStereo, kMount, {}, seed);
+    Pose pose;
+    for (int n = 0; n < keyframes; ++n) {
+      pose.position.x() += 0.2;
+      pose.yaw += turn;
+      model.image(pose, points);
+    }
+    const Pose estimate = model.estimate(pose);
+    return Eigen::Vector3d(estimate.position.x() - pose.position.x(),
+                           estimate.position.y() - pose.position.y(), estimate.yaw - pose.yaw);
+  };
+  Eigen::Vector3d squares = Eigen::Vector3d::Zero();
+  constexpr int kSeeds = 500;
+  for (int seed = 1; seed <= kSeeds; ++seed) {
+    const auto s = static_cast<std::uint64_t>(seed);
+    const Eigen::Vector3d near = off(s, 10, 0.0), far = off(s, 40, 0.0);
+    EXPECT_LT((far - 4.0 * near).norm(), 1e-7);
+    squares += (far / 8.0).cwiseAbs2() / kSeeds;
+    squares[2] += std::pow(off(s, 10, 0.1)[2], 2) / kSeeds;
+  }
+  EXPECT_NEAR(std::sqrt(squares[0]) / options.scale_error, 1.0, 0.1);
+  EXPECT_NEAR(std::sqrt(squares[1]) / options.direction_error, 1.0, 0.1);
+  EXPECT_NEAR(std::sqrt(squares[2]) / options.turn_error, 1.0, 0.1);
 }
 
 TEST(OdometryModel, NoDriftAtRestAndBetweenKeyframes) {
@@ -190,7 +230,7 @@ TEST(OdometryModel, LossDriftsMoreThanFewFeatures) {
     double tracked = 0.0, reckoned = 0.0;
     for (int seed = 0; seed < 400; ++seed) {
       for (const bool lost : {false, true}) {
-        OdometryModel model({}, kStereo, kMount, {}, static_cast<std::uint64_t>(seed));
+        OdometryModel model(calibrated(), kStereo, kMount, {}, static_cast<std::uint64_t>(seed));
         Pose pose;
         for (int n = 0; n < 20; ++n) {
           (turning ? pose.yaw : pose.position.x()) += 0.15;
