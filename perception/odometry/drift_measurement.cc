@@ -75,7 +75,7 @@ PoseDrift::Measurement DriftMeasurement::of_pose() const {
     const Eigen::Matrix<double, 6, 3> scaled = scale * JW;
     gains[at.numbers.landmark] += scaled * at.errors.landmark;
     gains[at.numbers.area] += scaled * at.errors.area;
-    gains[at.numbers.keyframe] += scaled * at.errors.keyframe;
+    gains[at.numbers.image] += scaled * at.errors.image;
   }
   for (auto& [number, gain] : gains.all) m.shares.push_back({number, gain});
   const Eigen::LDLT<Matrix6d> solver(H);
@@ -124,7 +124,7 @@ std::optional<PoseDrift::Evidence> DriftMeasurement::of_disparity_zero(
     const Eigen::RowVector3d scaled = -scale * q;
     errors[at.numbers.landmark] += scaled * at.errors.landmark;
     errors[at.numbers.area] += scaled * at.errors.area;
-    errors[at.numbers.keyframe] += scaled * at.errors.keyframe;
+    errors[at.numbers.image] += scaled * at.errors.image;
     evidence.noise += noise_variance_ * q.dot(at.errors.fresh * q.transpose());
   }
   evidence.anchors = std::move(anchors.all);

@@ -136,6 +136,15 @@ void PoseDrift::add(std::uint64_t anchor) {
   to_errors_.middleRows<6>(at) = last_to_errors_;
 }
 
+void PoseDrift::fade(const std::vector<std::uint64_t>& errors, double kept) {
+  for (const std::uint64_t error : errors) {
+    const auto at = columns_.find(error);
+    if (at == columns_.end()) continue;
+    to_errors_.middleCols<3>(at->second) *= kept;
+    last_to_errors_.middleCols<3>(at->second) *= kept;
+  }
+}
+
 void PoseDrift::keep(const std::vector<std::uint64_t>& anchors,
                      const std::vector<std::uint64_t>& errors) {
   for (std::size_t i = 0; i < anchors_.size(); ++i) {

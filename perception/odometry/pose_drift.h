@@ -86,6 +86,9 @@ class PoseDrift {
   Matrix6d since(std::uint64_t anchor, const Eigen::Isometry3d& T_CA) const;
   /// The pose measured last becomes an anchor.
   void add(std::uint64_t anchor);
+  /// From now on x of these errors is kept x + sqrt(1 - kept^2) x', x' new and of variance 1 (Gauss
+  /// and Markov). Those that no pose owes to are passed over. 0 <= kept <= 1.
+  void fade(const std::vector<std::uint64_t>& errors, double kept);
   /// Forgets all other anchors and errors. An error that counts again afterwards counts as a new
   /// one. Both lists in ascending order.
   void keep(const std::vector<std::uint64_t>& anchors, const std::vector<std::uint64_t>& errors);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "perception/odometry/point_observation.h"
 #include "perception/odometry/track.h"
@@ -13,6 +14,8 @@ namespace {
 using Eigen::Matrix3d;
 
 constexpr int kAreas = 6;  // along each side of the image
+/// Number of the image; those of its areas follow. No landmark has such a one.
+constexpr std::uint64_t kImage = std::uint64_t{1} << 62;
 
 /// L with L L^T = C, lower triangular; columns of what does not vary are zero.
 Matrix3d root(const Matrix3d& C) {
@@ -47,9 +50,9 @@ ObservationErrors observation_errors(const PointObservation& o, const Observatio
                               residual.d_measured.transpose() +
                           options.lasting * T);
   ObservationErrors errors;
-  errors.landmark = std::sqrt(std::max(0.0, 1.0 - options.area - options.keyframe)) * L;
+  errors.landmark = std::sqrt(std::max(0.0, 1.0 - options.area - options.image)) * L;
   errors.area = std::sqrt(options.area) * L;
-  errors.keyframe = std::sqrt(options.keyframe) * L;
+  errors.image = std::sqrt(options.image) * L;
   errors.fresh = (1.0 - options.lasting) * T;
   errors.fresh.diagonal() += Eigen::Vector3d(sigma_left * sigma_left, sigma_left * sigma_left,
                                              o.sees_right() ? sigma_right * sigma_right : 0.0);
@@ -60,10 +63,17 @@ ErrorNumbers error_numbers(const Track& track, double width, double height) {
   const auto part = [](double x, double of) {
     return static_cast<std::uint64_t>(std::clamp(static_cast<int>(kAreas * x / of), 0, kAreas - 1));
   };
-  constexpr std::uint64_t kOfKeyframes = std::uint64_t{1} << 62;
-  const std::uint64_t first = kOfKeyframes | track.anchor->id * (kAreas * kAreas + 1);
   return {track.id,
-          first + 1 + kAreas * part(track.pixel.y(), height) + part(track.pixel.x(), width), first};
+          kImage + 1 + kAreas * part(track.left.y(), height) + part(track.left.x(), width), kImage};
+}
+
+const std::vector<std::uint64_t>& numbers_of_areas() {
+  static const std::vector<std::uint64_t> numbers = [] {
+    std::vector<std::uint64_t> all(kAreas * kAreas + 1);
+    std::iota(all.begin(), all.end(), kImage);
+    return all;
+  }();
+  return numbers;
 }
 
 }  // namespace prospect

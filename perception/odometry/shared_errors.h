@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <vector>
 
 namespace prospect {
 
@@ -13,14 +14,17 @@ struct Track;
 
 /// What errors of tracked positions share. An error is not new in every frame: the patch of a
 /// landmark is seen under a light and from a side that hardly change, neighbours lie on one
-/// surface, and all patches of a keyframe are cut out of one image.
+/// surface, and all are warped by one motion. Nor is it new with every keyframe: the landmarks that
+/// follow lie on the same surfaces, under the same light, and move the same way.
 struct SharedErrorOptions {
   /// Of the variance that a patch's texture gives to its position: the same as long as it is
   /// tracked. The rest is new in every frame.
   double lasting = 0.9;
-  /// Of what lasts: shared by all landmarks of one keyframe in one of 6 x 6 parts of its image, and
-  /// by all of one keyframe. The rest is the landmark's own.
-  double area = 0.15, keyframe = 0.03;
+  /// Of what lasts: shared by all landmarks that are seen in one of 6 x 6 parts of the image, and
+  /// by all of the image, whatever keyframe made them. The rest is the landmark's own.
+  double area = 0.2, image = 0.05;
+  /// Correlation of what an area or the image shares with the same at the next keyframe.
+  double memory = 0.9;
   /// Correlation of a patch's errors in the left and in the right image, along the rows.
   double left_right = 0.89;
 };
@@ -35,17 +39,20 @@ void describe(Knobs& knobs, SharedErrorOptions& options);
 /// texture gives,
 ///   sum_k L_k L_k^T = dr/dm M dr/dm^T + lasting T.
 struct ObservationErrors {
-  Eigen::Matrix3d landmark, area, keyframe;  ///< L of what each of them shares
+  Eigen::Matrix3d landmark, area, image;  ///< L of what each of them shares
   Eigen::Matrix3d fresh;
 };
 ObservationErrors observation_errors(const PointObservation& observation,
                                      const ObservationResidual& residual, double sigma_left,
                                      double sigma_right, const SharedErrorOptions& options);
 
-/// Numbers of these errors (pose_drift.h) of a track; `width`, `height` of its image [px].
+/// Numbers of these errors (pose_drift.h) of a track, where it is seen now; `width`, `height` of
+/// the image [px].
 struct ErrorNumbers {
-  std::uint64_t landmark, area, keyframe;
+  std::uint64_t landmark, area, image;
 };
 ErrorNumbers error_numbers(const Track& track, double width, double height);
+/// Of all areas and of the image, ascending: what outlives keyframes.
+const std::vector<std::uint64_t>& numbers_of_areas();
 
 }  // namespace prospect

@@ -495,11 +495,10 @@ struct StereoOdometry::Impl {
   /// No longer in the joint covariance: anchors that no landmark comes from, and errors of
   /// landmarks that are gone.
   void forget_anchors() {
-    std::vector<std::uint64_t> used = {keyframe.anchor}, errors;
+    std::vector<std::uint64_t> used = {keyframe.anchor}, errors = numbers_of_areas();
     for (const Track& t : tracks) {
       used.push_back(t.anchor->id);
-      const ErrorNumbers numbers = error_numbers(t, camera.left.width, camera.left.height);
-      errors.insert(errors.end(), {numbers.landmark, numbers.area, numbers.keyframe});
+      errors.push_back(t.id);
     }
     for (const Recall& recall : recalls.all()) {
       for (const Track& t : recall.tracks) used.push_back(t.anchor->id);
@@ -668,6 +667,7 @@ OdometryFrame StereoOdometry::Impl::process(double stamp, const ImageView& left,
     thin_out();
     begin_keyframe(std::move(now), options.background_mapping);
     drift.add(keyframe.anchor);
+    drift.fade(numbers_of_areas(), options.shared_errors.memory);
     if (!options.background_mapping) out.matched = enter_landmarks(true);
   } else {
     std::erase_if(tracks, [&](const Track& t) { return t.misses > options.max_misses; });

@@ -59,9 +59,10 @@ void describe(Knobs& knobs, SharedErrorOptions& o) {
   knobs.number("lasting", o.lasting, {0.0, 1.0}, "1",
                "of the variance of a patch's position, that is the same while it is tracked");
   knobs.number("area", o.area, {0.0, 0.5}, "1",
-               "of what lasts, that a keyframe's patches in a sixth of its width and height share");
-  knobs.number("keyframe", o.keyframe, {0.0, 0.5}, "1",
-               "of what lasts, that all patches of a keyframe share");
+               "of what lasts, that patches in a sixth of the image's width and height share");
+  knobs.number("image", o.image, {0.0, 0.5}, "1", "of what lasts, that all patches share");
+  knobs.number("memory", o.memory, {0.0, 1.0}, "1",
+               "correlation of what they share with the same at the next keyframe");
   knobs.number("left_right", o.left_right, {0.0, 0.999}, "1",
                "correlation of a patch's errors in both images");
 }

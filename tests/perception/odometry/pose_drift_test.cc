@@ -293,6 +293,33 @@ TEST(PoseDrift, WhatLastsIsTheSameInEveryFrame) {
   EXPECT_NEAR(drift.since(2, Isometry3d::Identity())(0, 0), 0.04, 1e-12);
 }
 
+TEST(PoseDrift, WhatFadesIsPartlyNew) {
+  // Three poses that owe the same to an error that keeps 0.6 from one to the next.
+  constexpr double kKept = 0.6, kVariance = 0.04;
+  PoseDrift::Share share{5, PoseDrift::Share().gain};
+  share.gain.topRows<3>().diagonal().setConstant(std::sqrt(kVariance));
+  PoseDrift::Measurement m = measured({{1, Isometry3d::Identity(), Matrix6d::Identity()}},
+                                      Vector6d::Zero(), Matrix6d::Zero());
+  m.shares = {share};
+  PoseDrift drift;
+  drift.begin(1, Matrix6d::Zero());
+  const auto motion_variance = [](double correlation) {
+    return 2.0 * kVariance * (1.0 - correlation);
+  };
+  for (std::uint64_t k = 2; k < 5; ++k) {
+    EXPECT_NEAR(drift.measure(m)(0, 0), kVariance, 1e-12);
+    for (std::uint64_t before = 2; before < k; ++before) {
+      EXPECT_NEAR(drift.since(before, Isometry3d::Identity())(0, 0),
+                  motion_variance(std::pow(kKept, static_cast<double>(k - before))), 1e-12);
+    }
+    drift.add(k);
+    drift.fade({4, 5}, kKept);
+  }
+  // Poses that are measured one from the other add up what they share.
+  m.references[0].anchor = 4;
+  EXPECT_NEAR(drift.measure(m)(0, 0), 2.0 * kVariance * (1.0 + kKept), 1e-12);
+}
+
 TEST(PoseDrift, ANewMapOwesNothingToTheOldOne) {
   PoseDrift drift;
   drift.begin(1, Matrix6d::Zero());

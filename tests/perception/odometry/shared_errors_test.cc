@@ -3,8 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
-#include <memory>
+#include <cstdint>
+#include <vector>
+
+#include "perception/odometry/point_observation.h"
+#include "perception/odometry/track.h"
 
 namespace prospect::shared_errors_test {
 namespace {
@@ -38,10 +43,10 @@ TEST(SharedErrors, TheSharesMakeUpTheWhole) {
       o.right = sees_right ? 189.0 : std::nan("");
       const ObservationResidual residual = linearised(o);
       const ObservationErrors errors =
-          observation_errors(o, residual, 0.1, 0.2, {0.6, 0.2, 0.1, left_right});
+          observation_errors(o, residual, 0.1, 0.2, {0.6, 0.2, 0.1, 1.0, left_right});
       const Matrix3d whole = errors.landmark * errors.landmark.transpose() +
                              errors.area * errors.area.transpose() +
-                             errors.keyframe * errors.keyframe.transpose() + errors.fresh;
+                             errors.image * errors.image.transpose() + errors.fresh;
       // What observation_weight() takes for the covariance, but for the correlation of both images.
       Matrix3d expected =
           residual.d_measured * o.sigma.cwiseAbs2().asDiagonal() * residual.d_measured.transpose();
@@ -58,7 +63,7 @@ TEST(SharedErrors, TheSharesMakeUpTheWhole) {
       // So much of each, and what is new in every frame.
       const Matrix3d lasting = whole - errors.fresh;
       EXPECT_LT((errors.area * errors.area.transpose() - 0.2 * lasting).norm(), 1e-12);
-      EXPECT_LT((errors.keyframe * errors.keyframe.transpose() - 0.1 * lasting).norm(), 1e-12);
+      EXPECT_LT((errors.image * errors.image.transpose() - 0.1 * lasting).norm(), 1e-12);
       EXPECT_NEAR(errors.fresh(0, 0), 0.4 * 0.3 + 0.01, 1e-12);
     }
   }
@@ -67,33 +72,29 @@ TEST(SharedErrors, TheSharesMakeUpTheWhole) {
 TEST(SharedErrors, NumbersNameWhatIsShared) {
   Track a;
   a.id = 5;
-  auto first = std::make_shared<Anchor>(), second = std::make_shared<Anchor>();
-  first->id = 1;
-  second->id = 2;
-  a.anchor = first;
-  a.pixel << 10.0f, 20.0f;
+  a.left << 10.0f, 20.0f;
   Track b = a;
   b.id = 6;
-  b.pixel << 60.0f, 70.0f;
+  b.left << 60.0f, 70.0f;
+  b.pixel << 600.0f, 400.0f;  // it was elsewhere when it was made
   const ErrorNumbers of_a = error_numbers(a, 640.0, 480.0), of_b = error_numbers(b, 640.0, 480.0);
-  EXPECT_NE(of_a.landmark, of_b.landmark);
+  EXPECT_EQ(of_a.landmark, 5u);
+  EXPECT_EQ(of_b.landmark, 6u);
   EXPECT_EQ(of_a.area, of_b.area);
-  EXPECT_EQ(of_a.keyframe, of_b.keyframe);
+  EXPECT_EQ(of_a.image, of_b.image);
+  EXPECT_NE(of_a.area, of_a.image);
   // Elsewhere in the image.
-  b.pixel << 639.9f, 479.9f;
-  EXPECT_NE(of_a.area, error_numbers(b, 640.0, 480.0).area);
-  EXPECT_EQ(of_a.keyframe, error_numbers(b, 640.0, 480.0).keyframe);
-  // Of another keyframe; no number stands for two things.
-  b.anchor = second;
+  b.left << 639.9f, 479.9f;
   const ErrorNumbers other = error_numbers(b, 640.0, 480.0);
-  for (const std::uint64_t mine : {of_a.landmark, of_a.area, of_a.keyframe}) {
-    for (const std::uint64_t its : {other.landmark, other.area, other.keyframe}) {
-      EXPECT_NE(mine, its);
-    }
+  EXPECT_NE(of_a.area, other.area);
+  EXPECT_EQ(of_a.image, other.image);
+  // All of them, ascending, and no landmark's.
+  const std::vector<std::uint64_t>& all = numbers_of_areas();
+  EXPECT_TRUE(std::is_sorted(all.begin(), all.end()));
+  for (const std::uint64_t number : {of_a.area, other.area, of_a.image}) {
+    EXPECT_TRUE(std::binary_search(all.begin(), all.end(), number));
   }
-  // The last of one keyframe's areas is not the next one's first.
-  b.anchor = first;
-  EXPECT_NE(error_numbers(b, 640.0, 480.0).area, other.keyframe);
+  EXPECT_FALSE(std::binary_search(all.begin(), all.end(), of_a.landmark));
 }
 
 }  // namespace

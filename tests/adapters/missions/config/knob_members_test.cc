@@ -339,8 +339,8 @@ TEST(KnobMembers, EveryNumberAndSwitchIsAKnob) {
   }
   {
     SharedErrorOptions o;
-    [[maybe_unused]] auto& [lasting, area, keyframe, left_right] = o;
-    EXPECT_KNOBS(o, lasting, area, keyframe, left_right);
+    [[maybe_unused]] auto& [lasting, area, image, memory, left_right] = o;
+    EXPECT_KNOBS(o, lasting, area, image, memory, left_right);
   }
   {
     MotionPriorOptions o;
