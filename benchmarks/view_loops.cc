@@ -94,6 +94,7 @@ struct Result {
   int views = 0, revisits = 0, recalled = 0, found = 0, used = 0, wrong = 0, by_looks = 0;
   double nees = 0.0, ate = 0.0, ate_with_loops = 0.0;
   double length = 0.0;
+  int frames = 0, lost = 0;
   std::vector<double> ms;
 };
 
@@ -171,12 +172,14 @@ Result drive(const std::string& name, int seed, double length, double realism) {
   ViewLoops loops(camera, options);
   std::vector<Eigen::Isometry3d> truth;
   std::vector<double> ms;
+  int lost = 0;
   for (std::size_t n = 0; n < poses.size(); ++n) {
     const double stamp = kPeriod * static_cast<double>(n);
     const double rate = n > 0 ? (poses[n].yaw - poses[n - 1].yaw) / kPeriod : 0.0;
     const ImagePair pair = rig.stereo(poses[n], {n, stamp, control.exposure(), rate}, {});
     control.measured(stamp, pair.left);
     const OdometryFrame frame = odometry.process(stamp, pair.left.view(), pair.right.view());
+    lost += frame.state == Localization::kLost;
     if (!frame.keyframe || frame.state == Localization::kLost) continue;
     const bool measured = !frame.covariance_since_keyframe.isZero(0.0);
     ProcessorStopwatch watch;
@@ -192,6 +195,8 @@ Result drive(const std::string& name, int seed, double length, double realism) {
     r.length += (poses[n].position - poses[n - 1].position).norm();
   }
   r.ms = std::move(ms);
+  r.frames = static_cast<int>(poses.size());
+  r.lost = lost;
   return r;
 }
 
@@ -210,8 +215,9 @@ int main_program(int argc, char** argv) {
   if (worlds.empty()) worlds = {"office", "loop"};
   if (!json) {
     std::printf(
-        "| world | way m | views | revisits, recalled | found, used, wrong | by looks | NEES | ATE "
-        "m | with loops | ms p50, p95 |\n|---|---|---|---|---|---|---|---|---|---|\n");
+        "| world | way m | frames, lost | views | revisits, recalled | found, used, wrong | by "
+        "looks | NEES | ATE "
+        "m | with loops | ms p50, p95 |\n|---|---|---|---|---|---|---|---|---|---|---|\n");
   }
   nlohmann::ordered_json rows;
   for (const std::string& world : worlds) {
@@ -222,6 +228,8 @@ int main_program(int argc, char** argv) {
     rows.push_back({{"world", world},
                     {"seed", seed},
                     {"length_m", r.length},
+                    {"frames", r.frames},
+                    {"lost", r.lost},
                     {"views", r.views},
                     {"revisits", r.revisits},
                     {"recall", recall},
@@ -236,10 +244,11 @@ int main_program(int argc, char** argv) {
                     {"ms_p95", p95}});
     if (json) continue;
     std::printf(
-        "| %s, %d | %.0f | %d | %d, %.0f %% | %d, %d, %d | %d | %.1f | %.3f | %.3f | %.1f, %.1f "
+        "| %s, %d | %.0f | %d, %d | %d | %d, %.0f %% | %d, %d, %d | %d | %.1f | %.3f | %.3f | "
+        "%.1f, %.1f "
         "|\n",
-        world.c_str(), seed, r.length, r.views, r.revisits, 100.0 * recall, r.found, r.used,
-        r.wrong, r.by_looks, r.nees, r.ate, r.ate_with_loops, p50, p95);
+        world.c_str(), seed, r.length, r.frames, r.lost, r.views, r.revisits, 100.0 * recall,
+        r.found, r.used, r.wrong, r.by_looks, r.nees, r.ate, r.ate_with_loops, p50, p95);
     std::fflush(stdout);
   }
   if (json) std::cout << rows.dump(2) << '\n';
