@@ -16,26 +16,22 @@ namespace {
 
 using Eigen::Isometry3d;
 
-/// Of each point of `from` the nearest one of `to`; -1 where there is none that is clear.
-std::vector<int> nearest(const StereoView& from, const StereoView& to,
-                         const ViewAlignmentOptions& options) {
-  std::vector<int> result;
-  for (const StereoView::Point& point : from.points) {
-    int best = -1, bits = 257, next = 257;
-    for (std::size_t j = 0; j < to.points.size(); ++j) {
-      const int d = distance(point.descriptor, to.points[j].descriptor);
-      if (d < bits) {
-        next = std::exchange(bits, d);
-        best = static_cast<int>(j);
-      } else {
-        next = std::min(next, d);
-      }
+/// The nearest descriptors to each of some, as far as they were looked at.
+struct Nearest {
+  int index = -1, bits = 257, next = 257;
+
+  void look(int i, int d) {
+    if (d < bits) {
+      next = std::exchange(bits, d);
+      index = i;
+    } else {
+      next = std::min(next, d);
     }
-    const bool clear = bits <= options.most_bits && bits <= options.distinctness * next;
-    result.push_back(clear ? best : -1);
   }
-  return result;
-}
+  bool is_clear(const ViewAlignmentOptions& options) const {
+    return bits <= options.most_bits && bits <= options.distinctness * next;
+  }
+};
 
 struct Pair {
   const StereoView::Point* a;
@@ -44,12 +40,21 @@ struct Pair {
 
 std::vector<Pair> pairs(const StereoView& a, const StereoView& b,
                         const ViewAlignmentOptions& options) {
-  const std::vector<int> there = nearest(a, b, options), back = nearest(b, a, options);
+  std::vector<Nearest> of_a(a.points.size()), of_b(b.points.size());
+  for (std::size_t i = 0; i < of_a.size(); ++i) {
+    for (std::size_t j = 0; j < of_b.size(); ++j) {
+      const int d = distance(a.points[i].descriptor, b.points[j].descriptor);
+      of_a[i].look(static_cast<int>(j), d);
+      of_b[j].look(static_cast<int>(i), d);
+    }
+  }
   std::vector<Pair> result;
-  for (std::size_t i = 0; i < there.size(); ++i) {
-    if (there[i] < 0) continue;
-    const auto j = static_cast<std::size_t>(there[i]);
-    if (back[j] == static_cast<int>(i)) result.push_back({&a.points[i], &b.points[j]});
+  for (std::size_t i = 0; i < of_a.size(); ++i) {
+    if (!of_a[i].is_clear(options)) continue;
+    const auto j = static_cast<std::size_t>(of_a[i].index);
+    if (of_b[j].index == static_cast<int>(i) && of_b[j].is_clear(options)) {
+      result.push_back({&a.points[i], &b.points[j]});
+    }
   }
   return result;
 }

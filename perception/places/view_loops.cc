@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "perception/odometry/se3.h"
@@ -16,14 +17,19 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 double angle(const Isometry3d& T) { return Eigen::AngleAxisd(T.linear()).angle(); }
 
 /// One that the graph takes, whatever the odometry claims: loose where it claims nothing.
-Matrix6d information_of(const Matrix6d& covariance) {
-  constexpr double kLeast = 1e-5, kLoose = 10.0;  // [m], [rad]
-  const Matrix6d floor = kLeast * kLeast * Matrix6d::Identity();
-  const Matrix6d symmetric = 0.5 * (covariance + covariance.transpose()) + floor;
-  Matrix6d information = symmetric.inverse();
-  information = 0.5 * (information + information.transpose()).eval();
-  if (is_information(information)) return information;
-  return Matrix6d::Identity() / (kLoose * kLoose);
+Matrix6d information_of(const std::optional<Matrix6d>& covariance) {
+  constexpr double kLeast = 1e-5;                                 // [m], [rad]
+  constexpr double kLoose = 10.0, kLooseTurn = std::numbers::pi;  // [m], [rad]
+  if (covariance) {
+    const Matrix6d symmetric =
+        0.5 * (*covariance + covariance->transpose()) + kLeast * kLeast * Matrix6d::Identity();
+    Matrix6d information = symmetric.inverse();
+    information = 0.5 * (information + information.transpose()).eval();
+    if (is_information(information)) return information;
+  }
+  Eigen::Matrix<double, 6, 1> loose;
+  loose << Eigen::Vector3d::Constant(kLoose), Eigen::Vector3d::Constant(kLooseTurn);
+  return loose.cwiseAbs2().cwiseInverse().asDiagonal();
 }
 
 }  // namespace
@@ -89,15 +95,18 @@ std::vector<ViewLoops::Candidate> ViewLoops::candidates(const StereoView& view) 
   return result;
 }
 
-void ViewLoops::keyframe(const Isometry3d& T_WC, const Matrix6d& since_last, const ImageView& left,
-                         const ImageView& right) {
+void ViewLoops::keyframe(const Isometry3d& T_WC, const std::optional<Matrix6d>& since_last,
+                         const ImageView& left, const ImageView& right) {
   const bool first = views_.empty();
-  if (!first) {
+  if (since_view_ && since_last) {
     const Matrix6d carry = adjoint(T_WC.inverse() * T_WK_);
-    since_view_ = carry * since_view_ * carry.transpose() + since_last;
+    since_view_ = carry * *since_view_ * carry.transpose() + *since_last;
+  } else {
+    since_view_.reset();
   }
   T_WK_ = T_WC;
-  if (!first) {
+  // What was not measured may be any motion.
+  if (!first && since_view_) {
     const Isometry3d moved = views_.back().T_WC.inverse() * T_WC;
     if (moved.translation().norm() < options_.spacing && angle(moved) < options_.turn) return;
   }
@@ -109,20 +118,21 @@ void ViewLoops::keyframe(const Isometry3d& T_WC, const Matrix6d& since_last, con
     const RelativePose step{views_.back().T_WC.inverse() * T_WC, information_of(since_view_)};
     if (graph_.add_keyframe(id, id - 1, step) != GraphInput::kTaken) return;
   }
-  since_view_.setZero();
+  since_view_ = Matrix6d::Zero();
   views_.push_back({std::move(view), T_WC});
   const StereoView& here = views_.back().view;
-  bool found = false;
+  int found = 0;
   for (const Candidate& c : candidates(here)) {
+    if (found == options_.enough) break;
     const auto alignment = align_views(camera_, views_[static_cast<std::size_t>(c.view)].view, here,
                                        options_.alignment);
     if (!alignment || graph_.add_loop(c.view, id, alignment->measured) != GraphInput::kTaken)
       continue;
     loops_.push_back({c.view, id, *alignment, c.by_looks});
-    found = true;
+    ++found;
   }
   index_.add(here);
-  if (found) graph_.optimise();
+  if (found > 0) graph_.optimise();
 }
 
 }  // namespace prospect

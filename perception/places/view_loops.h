@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "models/camera.h"
@@ -22,7 +23,8 @@ struct ViewLoopsOptions {
   double turn = 0.2;     ///< [rad] likewise
   /// The newest views, which the odometry itself joins, are no candidates.
   int newest = 10;
-  int by_looks = 3, by_place = 2;  ///< candidates of a view
+  int by_looks = 3, by_place = 3;  ///< candidates of a view
+  int enough = 2;                  ///< loops of a view: others would say the same again
   int least_votes = 12;
   double reach = 3.0, bend = 0.8;  ///< [m] and [rad] apart: seen from there, places look the same
 };
@@ -41,9 +43,11 @@ class ViewLoops {
   explicit ViewLoops(const StereoCamera& camera, const ViewLoopsOptions& options = {});
 
   /// A keyframe. since_last: covariance of (t, omega) in C of the motion since the keyframe before,
-  /// whether it became a view or not. Throws as stereo_view().
-  void keyframe(const Eigen::Isometry3d& T_WC, const Eigen::Matrix<double, 6, 6>& since_last,
-                const ImageView& left, const ImageView& right);
+  /// whether it became a view or not; nothing where that motion was not measured, as after a loss
+  /// that began a new map: then loops alone tell how both maps lie. Throws as stereo_view().
+  void keyframe(const Eigen::Isometry3d& T_WC,
+                const std::optional<Eigen::Matrix<double, 6, 6>>& since_last, const ImageView& left,
+                const ImageView& right);
   /// Where the odometry's pose is by all loops so far.
   Eigen::Isometry3d corrected(const Eigen::Isometry3d& T_WC) const;
 
@@ -79,8 +83,8 @@ class ViewLoops {
   ViewIndex index_;
   PoseGraph graph_;
   std::vector<Loop> loops_;
-  /// Of the motion since the newest view, up to the newest keyframe.
-  Eigen::Matrix<double, 6, 6> since_view_ = Eigen::Matrix<double, 6, 6>::Zero();
+  /// Of the motion since the newest view, up to the newest keyframe; nothing: not measured.
+  std::optional<Eigen::Matrix<double, 6, 6>> since_view_;
   Eigen::Isometry3d T_WK_ = Eigen::Isometry3d::Identity();  // of the newest keyframe
 };
 
