@@ -56,7 +56,7 @@ pkg_check_modules(HDF5 REQUIRED IMPORTED_TARGET hdf5)
 
 # Debian's OpenCV module packages ship neither a CMake configuration nor a pkg-config file.
 find_path(PROSPECT_OPENCV_INCLUDE opencv2/core.hpp PATH_SUFFIXES opencv4 REQUIRED)
-foreach(module core imgproc imgcodecs calib3d)
+foreach(module core imgproc imgcodecs features2d calib3d)
   find_library(PROSPECT_OPENCV_${module} opencv_${module} REQUIRED)
   add_library(opencv_${module} UNKNOWN IMPORTED)
   set_target_properties(opencv_${module} PROPERTIES

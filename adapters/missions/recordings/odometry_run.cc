@@ -178,14 +178,10 @@ OdometrySummary summarize(const OdometryRun& run) {
         (run.trajectory[i].T.translation() - run.trajectory[i - 1].T.translation()).norm();
   }
   s.true_length = run.pairs.size() < 2 ? nan : path_length(run.pairs);
-  if (run.pairs.size() < 2) {
-    s.ate_first = s.ate_fit = {nan, nan, nan};
-    s.end = {nan, nan, nan};
-  } else {
-    s.ate_first = absolute_error(run.pairs, Alignment::kFirstPose);
-    s.ate_fit = absolute_error(run.pairs, Alignment::kBestFit);
-    s.end = end_error(run.pairs);
-  }
+  const TrajectoryErrors errors = trajectory_errors(run.pairs);
+  s.ate_first = errors.ate_first;
+  s.ate_fit = errors.ate_fit;
+  s.end = errors.end;
   s.scale = scale_of(run.pairs);
   s.truth_turns_wrong = quaternion_order_problem(run.pairs, run.pairs_w_first);
   s.rpe_1m = relative_error(run.pairs, 1.0);

@@ -120,6 +120,13 @@ EndError end_error(const std::vector<PosePair>& pairs) {
   return error;
 }
 
+TrajectoryErrors trajectory_errors(const std::vector<PosePair>& pairs) {
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  if (pairs.size() < 2) return {{kNaN, kNaN, kNaN}, {kNaN, kNaN, kNaN}, {kNaN, kNaN, kNaN}};
+  return {absolute_error(pairs, Alignment::kFirstPose), absolute_error(pairs, Alignment::kBestFit),
+          end_error(pairs)};
+}
+
 RelativeError relative_error(const std::vector<PosePair>& pairs, double length) {
   RelativeError error;
   std::vector<double> along(pairs.size(), 0.0);

@@ -44,6 +44,13 @@ struct EndError {
 };
 EndError end_error(const std::vector<PosePair>& pairs);
 
+/// All of them; NaN without two poses to measure them from.
+struct TrajectoryErrors {
+  AbsoluteError ate_first, ate_fit;
+  EndError end;
+};
+TrajectoryErrors trajectory_errors(const std::vector<PosePair>& pairs);
+
 /// Relative pose error over segments of `length` [m] of the true path, one from every frame: the
 /// error of the motion from i to the first j that is at least `length` along, E = (T_i^-1 T_j)^-1
 /// (S_i^-1 S_j) with T true and S estimated (Kuemmerle et al. 2009; KITTI). Means over the

@@ -13,10 +13,12 @@
 #include "adapters/formats/datasets/stereo_dataset.h"
 #include "adapters/formats/datasets/stereo_source.h"
 #include "adapters/formats/files/input_error.h"
+#include "adapters/formats/files/not_built_in.h"
 #include "adapters/formats/files/output_folder.h"
 #include "adapters/missions/config/configuration.h"
 #include "adapters/missions/recordings/calibration_report.h"
 #include "adapters/missions/recordings/odometry_calibration.h"
+#include "adapters/missions/recordings/odometry_loops.h"
 #include "adapters/missions/recordings/odometry_page.h"
 #include "adapters/missions/recordings/odometry_run.h"
 #include "adapters/missions/recordings/recording_range.h"
@@ -25,9 +27,12 @@
 #include "adapters/program/cli/configuration_arguments.h"
 #include "adapters/program/cli/interrupt.h"
 #include "adapters/program/cli/progress.h"
+#include "perception/pipeline/straight_map.h"
 
 namespace prospect {
 namespace {
+
+constexpr const char* kWithLoops = "trajectory_with_loops.tum";
 
 struct OdometryArguments {
   std::string dataset;  ///< a recording
@@ -37,6 +42,7 @@ struct OdometryArguments {
   int first = 0;    ///< frame to begin with
   int frames = 0;   ///< at most so many; 0: all
   bool calibrate = false;
+  bool loops = false;  ///< views that come again straighten a second trajectory
   bool json = false;
   bool quiet = false;
 };
@@ -182,7 +188,44 @@ void print(const OdometrySummary& s, bool truth) {
   row("  keyframes", s.processor_keyframe);
 }
 
+/// What loops made of the trajectory, beside what it is without them.
+nlohmann::ordered_json loops_json(const OdometryLoopsResult& loops, const Trajectory& truth) {
+  const TrajectoryErrors final = trajectory_errors(associate(loops.final, truth));
+  const TrajectoryErrors online = trajectory_errors(associate(loops.online, truth));
+  return {{"views", loops.views},
+          {"found", loops.found},
+          {"used", loops.used},
+          {"moved_m", loops.farthest},
+          {"end_error_m", final.end.translation},
+          {"end_rotation_deg", kDegrees * final.end.rotation},
+          {"ate_first_pose_rmse_m", final.ate_first.rmse},
+          {"ate_best_fit_rmse_m", final.ate_fit.rmse},
+          {"ate_first_pose_rmse_online_m", online.ate_first.rmse},
+          {"ate_best_fit_rmse_online_m", online.ate_fit.rmse}};
+}
+
+void print_loops(const OdometryLoopsResult& loops, const nlohmann::ordered_json& json) {
+  std::printf("loops        %d of %d used, among %d views; a pose moved by %.2f m at most\n",
+              loops.used, loops.found, loops.views, loops.farthest);
+  if (std::isfinite(json["ate_best_fit_rmse_m"].get<double>())) {
+    std::printf(
+        "with loops   ATE %.4f m rmse with the first pose aligned, %.4f m with the best fit; "
+        "end error %.4f m\n",
+        json["ate_first_pose_rmse_m"].get<double>(), json["ate_best_fit_rmse_m"].get<double>(),
+        json["end_error_m"].get<double>());
+    std::printf(
+        "  as it went ATE %.4f m rmse with the first pose aligned, %.4f m with the best fit\n",
+        json["ate_first_pose_rmse_online_m"].get<double>(),
+        json["ate_best_fit_rmse_online_m"].get<double>());
+  }
+  std::printf("  processor  %.1f ms a view in the median, %.1f ms at most\n", loops.processor.p50,
+              loops.processor.max);
+}
+
 int odometry(const OdometryArguments& arguments, SignalGuard& signals) {
+  if (arguments.loops && !StraightMap::is_built_in()) {
+    throw NotBuiltIn("--loops", "Ceres (libceres-dev)");
+  }
   const PerceptionOptions perception =
       read_told_perception(arguments.configuration, {}, ConfigurationUse::kOdometry);
   const StereoOdometryOptions& options = perception.odometry;
@@ -195,18 +238,23 @@ int odometry(const OdometryArguments& arguments, SignalGuard& signals) {
   std::optional<OutputFolder> out;
   if (!arguments.out.empty()) {
     out = OutputFolder::own(arguments.out, {"odometry"});
-    out->begin(
-        {"trajectory.tum", "trajectory.kitti", "frames.csv", "odometry.html", "summary.json"});
+    std::vector<std::string> names = {"trajectory.tum", "trajectory.kitti", "frames.csv",
+                                      "odometry.html", "summary.json"};
+    if (arguments.loops) names.push_back(kWithLoops);
+    out->begin(names);
   }
   const int frames = frames_from(arguments.first, arguments.frames, dataset.size());
   std::optional<OdometryCalibration> calibration;
   if (arguments.calibrate) calibration.emplace(dataset.camera(), options);
   std::optional<OdometryPage> page;
   if (out) page.emplace(frames);
+  std::optional<OdometryLoops> loops;
+  if (arguments.loops) loops.emplace(dataset.camera());
   const auto observe = [&](const OdometryStep& step) {
     const OdometryFrame& frame = step.frame;
     if (calibration) calibration->add(step.odometry, frame, step.true_T_WC);
     if (page) page->add(step);
+    if (loops) loops->add(step);
     progress.show(std::to_string(step.done) + " of " + std::to_string(frames) + " frames  " +
                   std::to_string(frame.tracked) + " points  " +
                   std::string(to_string(frame.state)));
@@ -224,15 +272,23 @@ int odometry(const OdometryArguments& arguments, SignalGuard& signals) {
     calibrated = calibration->result();
     json["calibration"] = calibration_json(*calibrated);
   }
+  std::optional<OdometryLoopsResult> looped;
+  if (loops) {
+    looped = loops->result();
+    json["loops"] = loops_json(*looped, dataset.ground_truth());
+    json["ms"]["loops"] = times_json(looped->processor);
+  }
   if (page) {
     auto timeless = json;
     timeless.erase("ms");
-    for (const auto& [name, content] :
-         {std::pair<const char*, std::string>{"trajectory.tum", tum_text(run.trajectory)},
-          {"trajectory.kitti", kitti_text(run.trajectory)},
-          {"frames.csv", frames_csv(run)},
-          {"odometry.html", page->html(timeless)},
-          {"summary.json", json.dump(2) + "\n"}}) {
+    std::vector<std::pair<const char*, std::string>> files = {
+        {"trajectory.tum", tum_text(run.trajectory)},
+        {"trajectory.kitti", kitti_text(run.trajectory)},
+        {"frames.csv", frames_csv(run)},
+        {"odometry.html", page->html(timeless)},
+        {"summary.json", json.dump(2) + "\n"}};
+    if (looped) files.emplace_back(kWithLoops, tum_text(looped->final));
+    for (const auto& [name, content] : files) {
       const std::string problem = out->write(name, content);
       if (!problem.empty()) {
         std::cerr << "prospect: " << arguments.out << '/' << name << ": " << problem << '\n';
@@ -249,6 +305,7 @@ int odometry(const OdometryArguments& arguments, SignalGuard& signals) {
     for (const std::string& note : notes) std::printf("note         %s\n", note.c_str());
     print(summary, !dataset.ground_truth().empty());
     print_imu(run);
+    if (looped) print_loops(*looped, json["loops"]);
     if (calibrated) std::fputs(calibration_text(*calibrated).c_str(), stdout);
     if (out) std::printf("written to   %s\n", out->path().c_str());
   }
@@ -310,6 +367,8 @@ Command odometry_command(CLI::App& program) {
   command->add_flag("--calibrate", arguments.calibrate,
                     "Hold what the planner predicts of landmarks and motion against what "
                     "came of it");
+  command->add_flag("--loops", arguments.loops,
+                    "Straighten a second trajectory by views that come again; the first one stays");
   command->add_flag("--json", arguments.json, "Print the summary as JSON");
   command->add_flag("--quiet", arguments.quiet, "No progress line");
   return {command, [given](const Invocation& in) { return odometry(*given, in.signals); }};

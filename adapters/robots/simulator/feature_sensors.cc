@@ -45,7 +45,9 @@ FeatureSensors::FeatureSensors(const World& world, const SimulatorOptions& optio
   const bool corrected =
       std::any_of(options.corrections.begin(), options.corrections.end(),
                   [](const auto& c) { return c.kind == CorrectionKind::kRobot; });
-  const bool aligns = perception.loops && StraightMap::is_built_in();
+  // A way that is true cannot be straightened: all that changed it would be errors of the loops.
+  const bool is_true = options.odometry.perfect && options.place_known;
+  const bool aligns = perception.loops && StraightMap::is_built_in() && !is_true;
   if (aligns || corrected) straight_ = std::make_unique<StraightMap>(mapper_, start, aligns);
   if (!options.corrections.empty()) corrections_.expect();
   if (options.map) {

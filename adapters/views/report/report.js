@@ -565,8 +565,10 @@ function drawCorrections() {
   for (let k = 0; k <= step; ++k) {
     if (!isNumber(column.corrected_by[k])) continue;
     const [sx, sy] = toScreen(column.estimated_x[k], column.estimated_y[k]);
-    pen.beginPath(); pen.arc(sx, sy, 4, 0, 2 * Math.PI); pen.fillStyle = colors.warn; pen.fill();
-    label(correctionText(k), sx, sy, colors.warn);
+    // A correction is told where it can be seen at this zoom: a robot straightens its map by a centimetre all the time.
+    const seen = view.scale * column.corrected_by[k] >= 8 || Math.abs(column.corrected_turn[k]) >= 2 * Math.PI / 180;
+    pen.beginPath(); pen.arc(sx, sy, seen ? 4 : 2, 0, 2 * Math.PI); pen.fillStyle = colors.warn; pen.fill();
+    if (seen) label(correctionText(k), sx, sy, colors.warn);
   }
 }
 const correctionText = (k) => `${fixed(column.corrected_by[k], 2)} m, ${fixed(column.corrected_turn[k] * 180 / Math.PI, 1)}°`;

@@ -221,6 +221,24 @@ TEST(Simulator, MapWithPerfectOdometryIsTheTruth) {
   EXPECT_LT(wrong, known / 100);
 }
 
+// Loops of a map err by a centimetre or two.
+TEST(Simulator, LoopsDoNotMoveAnEstimateThatIsTheTruth) {
+  const auto world = office_like();
+  PerceptionOptions perception;
+  perception.loops = true;
+  Simulator simulator(world, perfect(), perception);
+  for (int n = 0; n < 3; ++n) {
+    tour(simulator);
+    go_to(simulator, 5.9, 5.2);
+    go_to(simulator, 4.2, 5.2);
+    go_to(simulator, 3.6, 3.0);
+    go_to(simulator, world->start.position.x(), world->start.position.y());
+    (void)simulator.sense();
+  }
+  EXPECT_EQ(simulator.localization_error(), 0.0);
+  EXPECT_EQ(simulator.collisions(), 0);
+}
+
 TEST(Simulator, CoverageCountsWhatHasReallyBeenSeen) {
   NOT_UNDER_SANITIZERS("missions go the ways of drives and of steps");
   const auto world = office_like();

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "adapters/missions/recordings/odometry_loops.h"
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+#ifdef PROSPECT_LOOPS
+
+#include "engine/support/stopwatch.h"
+#include "perception/places/view_loops.h"
+
+namespace prospect {
+
+struct OdometryLoops::Impl {
+  explicit Impl(const StereoCamera& camera) : loops(camera) {}
+
+  /// Of a frame: the newest view then, and the pose in it.
+  struct Seen {
+    double stamp;
+    int view;
+    Eigen::Isometry3d T_VC;
+  };
+
+  ViewLoops loops;
+  std::vector<Seen> seen;
+  Trajectory online;
+  std::vector<double> milliseconds;
+};
+
+OdometryLoops::OdometryLoops(const StereoCamera& camera) : impl_(std::make_unique<Impl>(camera)) {}
+OdometryLoops::~OdometryLoops() = default;
+OdometryLoops::OdometryLoops(OdometryLoops&&) noexcept = default;
+
+void OdometryLoops::add(const OdometryStep& step) {
+  const OdometryFrame& frame = step.frame;
+  if (frame.state == Localization::kLost) return;
+  ViewLoops& loops = impl_->loops;
+  if (frame.keyframe) {
+    const bool measured = !frame.covariance_since_keyframe.isZero(0.0) && !frame.restarted;
+    const int before = loops.views();
+    ProcessorStopwatch watch;
+    loops.keyframe(frame.T_WC,
+                   measured ? std::optional(frame.covariance_since_keyframe) : std::nullopt,
+                   step.images.left.view(), step.images.right.view());
+    if (loops.views() > before) impl_->milliseconds.push_back(watch.lap());
+  }
+  if (loops.views() == 0) return;
+  const int view = loops.views() - 1;
+  impl_->seen.push_back({frame.stamp, view, loops.measured(view).inverse() * frame.T_WC});
+  impl_->online.push_back({frame.stamp, loops.corrected(frame.T_WC)});
+}
+
+OdometryLoopsResult OdometryLoops::result() const {
+  const ViewLoops& loops = impl_->loops;
+  OdometryLoopsResult result;
+  result.views = loops.views();
+  result.found = static_cast<int>(loops.loops().size());
+  result.used = static_cast<int>(loops.used());
+  result.online = impl_->online;
+  for (const Impl::Seen& s : impl_->seen) {
+    const Eigen::Isometry3d T_WC = loops.pose(s.view) * s.T_VC;
+    const Eigen::Isometry3d measured = loops.measured(s.view) * s.T_VC;
+    result.farthest =
+        std::max(result.farthest, (T_WC.translation() - measured.translation()).norm());
+    result.final.push_back({s.stamp, T_WC});
+  }
+  result.processor = percentiles(impl_->milliseconds);
+  return result;
+}
+
+}  // namespace prospect
+
+#else
+
+namespace prospect {
+
+struct OdometryLoops::Impl {};
+OdometryLoops::OdometryLoops(const StereoCamera&) {
+  throw std::invalid_argument("loops need Ceres, without which this was built");
+}
+OdometryLoops::~OdometryLoops() = default;
+OdometryLoops::OdometryLoops(OdometryLoops&&) noexcept = default;
+void OdometryLoops::add(const OdometryStep&) {}
+OdometryLoopsResult OdometryLoops::result() const { return {}; }
+
+}  // namespace prospect
+
+#endif
