@@ -54,7 +54,8 @@ std::optional<InertialWitness::Way> InertialWitness::way_of(const ImuMotion& mot
   if (!velocity_) return std::nullopt;
   const double dt = motion.dt;
   Way way;
-  if (motion.has_force && rest_variance_ > 0.0) {
+  // What an accelerometer is wrong by grows with the square of the time.
+  if (motion.has_force && rest_variance_ > 0.0 && dt <= kWindow) {
     const double a = options_.acceleration * options_.acceleration + rest_variance_;
     way.way = *velocity_ * dt + from.T_WB.linear() * motion.way - 0.5 * rest_force_ * dt * dt;
     way.variance = velocity_variance_ * dt * dt + 0.25 * a * std::pow(dt, 4);
