@@ -183,8 +183,7 @@ Result drive(const std::string& name, int seed, double length, double realism) {
     if (!frame.keyframe || frame.state == Localization::kLost) continue;
     const bool measured = !frame.covariance_since_keyframe.isZero(0.0) && !frame.restarted;
     ProcessorStopwatch watch;
-    loops.keyframe(frame.T_WC,
-                   measured ? std::optional(frame.covariance_since_keyframe) : std::nullopt,
+    loops.keyframe(frame.T_WC, measured ? frame.covariance_since_keyframe : frame.covariance,
                    pair.left.view(), pair.right.view());
     const double lap = watch.lap();
     if (loops.views() == static_cast<int>(truth.size())) continue;

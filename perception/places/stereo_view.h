@@ -38,7 +38,7 @@ struct StereoView {
 
 struct StereoViewOptions {
   int corners = 400;  ///< at most
-  int levels = 8;     ///< of the pyramid, each 1.2 times as coarse as the one before
+  int levels = 6;     ///< of the pyramid, each 1.2 times as coarse as the one before
   /// Least difference in grey of a corner (FAST): low, as the best are taken by Harris' measure.
   int least_contrast = 8;
   double sigma = 0.7;  ///< of a corner's place [pixels of its level]

@@ -12,7 +12,7 @@ namespace prospect {
 struct ViewAlignmentOptions {
   int most_bits = 64;         ///< by which descriptors of one point differ
   double distinctness = 0.9;  ///< the nearest descriptor over the next one, at most
-  int least_inliers = 15;
+  int least_inliers = 20;
   double most_apart = 0.3;    ///< [m], of both ways
   double most_turned = 0.09;  ///< [rad], of both ways
   double sigma = 0.7;         ///< of a corner's place [pixels of its level]

@@ -43,8 +43,8 @@ class ViewLoops {
   explicit ViewLoops(const StereoCamera& camera, const ViewLoopsOptions& options = {});
 
   /// A keyframe. since_last: covariance of (t, omega) in C of the motion since the keyframe before,
-  /// whether it became a view or not; nothing where that motion was not measured, as after a loss
-  /// that began a new map: then loops alone tell how both maps lie. Throws as stereo_view().
+  /// whether it became a view or not; nothing where nothing is known of it. Throws as
+  /// stereo_view().
   void keyframe(const Eigen::Isometry3d& T_WC,
                 const std::optional<Eigen::Matrix<double, 6, 6>>& since_last, const ImageView& left,
                 const ImageView& right);

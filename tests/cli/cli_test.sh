@@ -843,13 +843,17 @@ refused "odometry with exchanged cameras" half/calib.txt "expected it on the rig
 refused "odometry from before the first frame" -1 "expected a whole number" odometry half --from -1
 "$write_stereo_recording" stereo 12 || fail "no stereo recording was written"
 for n in odometry1 odometry2; do
-  succeeds "$n" odometry stereo --calibrate --out "$n" --quiet
+  succeeds "$n" odometry stereo --calibrate --loops --out "$n" --quiet
 done
 grep -qE "^  learned +5 " out.txt || fail "odometry --calibrate: no prediction five frames ahead: '$out'"
-for file in odometry.html frames.csv trajectory.tum trajectory.kitti; do
+for file in odometry.html frames.csv trajectory.tum trajectory.kitti trajectory_with_loops.tum; do
   [[ -s odometry1/$file ]] || fail "odometry wrote no $file"
   cmp -s "odometry1/$file" "odometry2/$file" || fail "odometry: $file differs between two runs"
 done
+grep -qE "^loops +0 of 0 used, among [1-9]" out.txt || fail "odometry --loops: '$out'"
+succeeds "odometry without loops" odometry stereo --out without --quiet
+cmp -s odometry1/trajectory.tum without/trajectory.tum || fail "odometry --loops: the odometry's own trajectory is another"
+[[ -e without/trajectory_with_loops.tum ]] && fail "odometry: loops without being asked"
 succeeds "odometry of fewer corners" odometry stereo --set perception.odometry.corners.cells=60 --out fewer --quiet
 cmp -s odometry1/frames.csv fewer/frames.csv && fail "odometry: perception.odometry is not read"
 refused "a setting that a recording does not read" "--set perception.mapping.core=0.4" "expected it with prospect map" \
