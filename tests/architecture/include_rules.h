@@ -76,7 +76,7 @@ inline std::vector<std::pair<std::string, RoomRules>> architecture() {
         eigen}},
       {"perception/places",
        {{"models", "engine/maps", "perception/odometry", "perception/mapping", "perception/graph"},
-        eigen,
+        {"Eigen", "opencv2"},
         eigen}},
       {"perception/pipeline",
        {{"models", "engine/support", "engine/maps", "engine/features", "perception"},

@@ -30,7 +30,9 @@ for release in "$root"/releases/*/; do
   # Its log: the page, and what it holds.
   run "$prospect" report "$here/run/mission.mcap" --out "$here/log"
   ((code == 0)) && [[ -s "$here/log/mission.html" ]] || fail "$name: run/mission.mcap: exit $code: $err"
-  # Its study: both missions are gathered without being run again.
+  # Its study: both missions are gathered without being run again, by what the defaults were then.
+  echo "base: $name-defaults.yaml" >>"$here/study.yaml"
+  cp "$root/tests/releases/$name-defaults.yaml" "$here/"
   run "$prospect" study "$here/study.yaml" --out "$here/study" --gather --any-version
   ((code == 0)) && [[ "$out" == *"2 runs, 0 failed, 0 missing"* ]] || fail "$name: study: exit $code: $out $err"
   [[ "$(wc -l <"$here/study/results.csv")" == 3 ]] || fail "$name: study/results.csv has other rows than its two"

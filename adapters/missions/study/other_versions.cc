@@ -35,7 +35,8 @@ std::optional<std::string> name_today(const std::string& run_folder, const std::
   try {
     const std::string file = run_folder + "/config.yaml";
     const std::string read =
-        recorded_yaml(read_configuration(file, registries), ConfigurationUse::kExplore);
+        recorded_yaml(read_configuration(file, registries, settings_before_their_keys()),
+                      ConfigurationUse::kExplore);
     return cell_name(configuration_from_text(read, file, registries), std::nullopt, world,
                      run["seed"].get<std::uint64_t>(), program);
   } catch (const InputError&) {

@@ -150,8 +150,10 @@ Configuration other_configuration(const RecordedRun& run, const ReplayArguments&
                        "sensors of a replay are those recorded");
     }
   }
-  Configuration other = configuration_from_text(run.configuration, run.source + ": configuration",
-                                                registries, settings);
+  std::vector<YamlSetting> all = settings_before_their_keys();
+  all.insert(all.end(), settings.begin(), settings.end());
+  Configuration other =
+      configuration_from_text(run.configuration, run.source + ": configuration", registries, all);
   // What was recorded is nobody's to mend.
   std::erase_if(other.notices, [](const auto& notice) { return !notice.starts_with("--set "); });
   tell_notices(other.notices);
@@ -192,8 +194,8 @@ void write_replay(const RecordedRun& run, const Replay& replay, const ReplayArgu
 int replay_changed(const RecordedRun& run, const std::string& source,
                    const ReplayArguments& arguments, const Invocation& in, Progress& progress) {
   const Registries& registries = in.registries;
-  const Configuration configuration =
-      configuration_from_text(run.configuration, run.source + ": configuration", registries);
+  const Configuration configuration = configuration_from_text(
+      run.configuration, run.source + ": configuration", registries, settings_before_their_keys());
   const Configuration other = other_configuration(run, arguments, registries);
   for (const Configuration* c : {&configuration, &other}) {
     if (tell_if_absent(c->solver, registries.solvers)) return kNotBuiltIn;
@@ -278,7 +280,8 @@ int replay(const ReplayArguments& arguments, const Invocation& in) {
   if (run.real_time) return replay_drive(run, unchanged, arguments, in, progress);
   if (!unchanged) return replay_changed(run, world, arguments, in, progress);
   const Configuration configuration =
-      configuration_from_text(run.configuration, run.source + ": configuration", in.registries);
+      configuration_from_text(run.configuration, run.source + ": configuration", in.registries,
+                              settings_before_their_keys());
   if (tell_if_absent(configuration.solver, in.registries.solvers)) return kNotBuiltIn;
   world_of(run, world, configuration, progress);
   return replay_unchanged(run, configuration, world, arguments, progress, in.signals);

@@ -77,8 +77,9 @@ struct SteppedRoom {
     statistics = std::jthread([this](const std::stop_token& stop) {
       while (!stop.stop_requested()) {
         msgs::WorldStatistics out;
-        out.mutable_sim_time()->set_sec(FakeGazebo::whole(begins));
-        out.mutable_sim_time()->set_nsec(0);
+        const double now = begins + static_cast<double>(steps) * kStep;
+        out.mutable_sim_time()->set_sec(FakeGazebo::whole(now));
+        out.mutable_sim_time()->set_nsec(FakeGazebo::whole(1e9 * (now - std::floor(now))));
         out.set_paused(paused);
         gazebo.publish(kTopics + "world_stats", out);
         std::this_thread::sleep_for(std::chrono::milliseconds(5));
