@@ -11,7 +11,6 @@
 
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
 #include <functional>
 #include <numbers>
 #include <random>
@@ -19,6 +18,7 @@
 #include <vector>
 
 #include "adapters/formats/datasets/stereo_dataset.h"
+#include "benchmarks/clip.h"
 #include "benchmarks/guarded_main.h"
 #include "benchmarks/odometry_settings.h"
 #include "benchmarks/program_options.h"
@@ -72,12 +72,8 @@ void answer(const std::string& name, const StereoCamera& camera,
 
 /// Every `step`-th left image, with the right one `shift` frames later.
 void recording(const std::string& clip, const StereoOdometryOptions& options, Answers& answers) {
-  const std::size_t at = clip.rfind('@');
-  const std::string path = clip.substr(0, at);
-  int first = 0;
-  if (at != std::string::npos) first = std::max(0, std::atoi(clip.c_str() + at + 1));
+  const auto [path, name, first] = clip_of(clip);
   const StereoDataset dataset = StereoDataset::open(path, {});
-  const std::string name = std::filesystem::path(path).filename().string();
   struct Way {
     int step, shift;
   };

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <string>
 #include <utility>
@@ -18,6 +17,7 @@
 #include "adapters/formats/files/input_error.h"
 #include "adapters/missions/recordings/odometry_run.h"
 #include "adapters/missions/recordings/trajectory_error.h"
+#include "benchmarks/clip.h"
 #include "benchmarks/guarded_main.h"
 #include "benchmarks/program_options.h"
 #include "models/knobs.h"
@@ -66,10 +66,7 @@ int main_program(int argc, char** argv) {
   if (const auto end = program.parse(argc, argv)) return *end;
   std::vector<Row> rows;
   for (const std::string& clip : clips) {
-    const std::size_t at = clip.rfind('@');
-    const std::string path = clip.substr(0, at);
-    const int first = at == std::string::npos ? 0 : std::max(0, std::atoi(clip.c_str() + at + 1));
-    const std::string stem = std::filesystem::path(path).filename().string();
+    const auto [path, stem, first] = clip_of(clip);
     const std::string name = first > 0 ? stem + " from " + std::to_string(first) : stem;
     const StereoDataset dataset = StereoDataset::open(path, {});
     const OdometryRun run = run_odometry(dataset, {}, first);

@@ -21,8 +21,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
-#include <cstdlib>
-#include <filesystem>
 #include <optional>
 #include <random>
 #include <string>
@@ -30,6 +28,7 @@
 
 #include "adapters/missions/recordings/odometry_calibration.h"
 #include "adapters/missions/recordings/odometry_run.h"
+#include "benchmarks/clip.h"
 #include "benchmarks/guarded_main.h"
 #include "benchmarks/odometry_settings.h"
 #include "benchmarks/program_options.h"
@@ -110,12 +109,10 @@ void recording(const std::string& name, const StereoDataset& dataset,
 
 /// A recording as "PATH" or "PATH@FIRST", all of it and in pieces that overlap by half.
 void recordings(const std::string& clip, const StereoOdometryOptions& options, int pieces) {
-  const std::size_t at = clip.rfind('@');
-  const std::string path = clip.substr(0, at);
-  int first = 0;
-  if (at != std::string::npos) first = std::max(0, std::atoi(clip.c_str() + at + 1));
-  const StereoDataset dataset = StereoDataset::open(path, {});
-  const std::string name = std::filesystem::path(path).filename().string();
+  const Clip told = clip_of(clip);
+  const std::string& name = told.name;
+  const int first = told.first;
+  const StereoDataset dataset = StereoDataset::open(told.path, {});
   const int frames = std::max(0, dataset.size() - first);
   const auto called = [&](int from) {
     return from == 0 ? name : name + " from " + std::to_string(from);

@@ -181,10 +181,8 @@ Result drive(const std::string& name, int seed, double length, double realism) {
     const OdometryFrame frame = odometry.process(stamp, pair.left.view(), pair.right.view());
     lost += frame.state == Localization::kLost;
     if (!frame.keyframe || frame.state == Localization::kLost) continue;
-    const bool measured = !frame.covariance_since_keyframe.isZero(0.0) && !frame.restarted;
     ProcessorStopwatch watch;
-    loops.keyframe(frame.T_WC, measured ? frame.covariance_since_keyframe : frame.covariance,
-                   pair.left.view(), pair.right.view());
+    loops.keyframe(frame, pair.left.view(), pair.right.view());
     const double lap = watch.lap();
     if (loops.views() == static_cast<int>(truth.size())) continue;
     truth.push_back(camera_at(poses[n]));

@@ -41,7 +41,6 @@ struct StereoViewOptions {
   int levels = 6;     ///< of the pyramid, each 1.2 times as coarse as the one before
   /// Least difference in grey of a corner (FAST): low, as the best are taken by Harris' measure.
   int least_contrast = 8;
-  double sigma = 0.7;  ///< of a corner's place [pixels of its level]
 };
 
 /// Of one rectified pair of the camera's size; without points where there is no texture. Throws

@@ -16,17 +16,15 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
 double angle(const Isometry3d& T) { return Eigen::AngleAxisd(T.linear()).angle(); }
 
-/// One that the graph takes, whatever the odometry claims: loose where it claims nothing.
-Matrix6d information_of(const std::optional<Matrix6d>& covariance) {
+/// One that the graph takes, whatever the odometry claims: loose where its claim is none.
+Matrix6d information_of(const Matrix6d& covariance) {
   constexpr double kLeast = 1e-5;                                 // [m], [rad]
   constexpr double kLoose = 10.0, kLooseTurn = std::numbers::pi;  // [m], [rad]
-  if (covariance) {
-    const Matrix6d symmetric =
-        0.5 * (*covariance + covariance->transpose()) + kLeast * kLeast * Matrix6d::Identity();
-    Matrix6d information = symmetric.inverse();
-    information = 0.5 * (information + information.transpose()).eval();
-    if (is_information(information)) return information;
-  }
+  const Matrix6d symmetric =
+      0.5 * (covariance + covariance.transpose()) + kLeast * kLeast * Matrix6d::Identity();
+  Matrix6d information = symmetric.inverse();
+  information = 0.5 * (information + information.transpose()).eval();
+  if (is_information(information)) return information;
   Eigen::Matrix<double, 6, 1> loose;
   loose << Eigen::Vector3d::Constant(kLoose), Eigen::Vector3d::Constant(kLooseTurn);
   return loose.cwiseAbs2().cwiseInverse().asDiagonal();
@@ -95,18 +93,19 @@ std::vector<ViewLoops::Candidate> ViewLoops::candidates(const StereoView& view) 
   return result;
 }
 
-void ViewLoops::keyframe(const Isometry3d& T_WC, const std::optional<Matrix6d>& since_last,
-                         const ImageView& left, const ImageView& right) {
+void ViewLoops::keyframe(const OdometryFrame& frame, const ImageView& left,
+                         const ImageView& right) {
+  const bool measured = !frame.covariance_since_keyframe.isZero(0.0) && !frame.restarted;
+  keyframe(frame.T_WC, measured ? frame.covariance_since_keyframe : frame.covariance, left, right);
+}
+
+void ViewLoops::keyframe(const Isometry3d& T_WC, const Matrix6d& since_last, const ImageView& left,
+                         const ImageView& right) {
   const bool first = views_.empty();
-  if (since_view_ && since_last) {
-    const Matrix6d carry = adjoint(T_WC.inverse() * T_WK_);
-    since_view_ = carry * *since_view_ * carry.transpose() + *since_last;
-  } else {
-    since_view_.reset();
-  }
+  const Matrix6d carry = adjoint(T_WC.inverse() * T_WK_);
+  since_view_ = carry * since_view_ * carry.transpose() + since_last;
   T_WK_ = T_WC;
-  // What was not measured may be any motion.
-  if (!first && since_view_) {
+  if (!first) {
     const Isometry3d moved = views_.back().T_WC.inverse() * T_WC;
     if (moved.translation().norm() < options_.spacing && angle(moved) < options_.turn) return;
   }
@@ -118,7 +117,7 @@ void ViewLoops::keyframe(const Isometry3d& T_WC, const std::optional<Matrix6d>& 
     const RelativePose step{views_.back().T_WC.inverse() * T_WC, information_of(since_view_)};
     if (graph_.add_keyframe(id, id - 1, step) != GraphInput::kTaken) return;
   }
-  since_view_ = Matrix6d::Zero();
+  since_view_.setZero();
   views_.push_back({std::move(view), T_WC});
   const StereoView& here = views_.back().view;
   int found = 0;

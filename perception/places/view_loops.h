@@ -4,12 +4,12 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <cstddef>
-#include <optional>
 #include <vector>
 
 #include "models/camera.h"
 #include "models/image.h"
 #include "perception/graph/pose_graph.h"
+#include "perception/odometry/odometry.h"
 #include "perception/places/stereo_view.h"
 #include "perception/places/view_alignment.h"
 #include "perception/places/view_index.h"
@@ -43,11 +43,12 @@ class ViewLoops {
   explicit ViewLoops(const StereoCamera& camera, const ViewLoopsOptions& options = {});
 
   /// A keyframe. since_last: covariance of (t, omega) in C of the motion since the keyframe before,
-  /// whether it became a view or not; nothing where nothing is known of it. Throws as
-  /// stereo_view().
-  void keyframe(const Eigen::Isometry3d& T_WC,
-                const std::optional<Eigen::Matrix<double, 6, 6>>& since_last, const ImageView& left,
-                const ImageView& right);
+  /// whether it became a view or not. Throws as stereo_view().
+  void keyframe(const Eigen::Isometry3d& T_WC, const Eigen::Matrix<double, 6, 6>& since_last,
+                const ImageView& left, const ImageView& right);
+  /// A frame that is one and is not lost. After a loss that began a new map since_last is all that
+  /// the pose claims, which has grown meanwhile.
+  void keyframe(const OdometryFrame& frame, const ImageView& left, const ImageView& right);
   /// Where the odometry's pose is by all loops so far.
   Eigen::Isometry3d corrected(const Eigen::Isometry3d& T_WC) const;
 
@@ -83,8 +84,8 @@ class ViewLoops {
   ViewIndex index_;
   PoseGraph graph_;
   std::vector<Loop> loops_;
-  /// Of the motion since the newest view, up to the newest keyframe; nothing: not measured.
-  std::optional<Eigen::Matrix<double, 6, 6>> since_view_;
+  /// Of the motion since the newest view, up to the newest keyframe.
+  Eigen::Matrix<double, 6, 6> since_view_ = Eigen::Matrix<double, 6, 6>::Zero();
   Eigen::Isometry3d T_WK_ = Eigen::Isometry3d::Identity();  // of the newest keyframe
 };
 

@@ -37,12 +37,9 @@ void OdometryLoops::add(const OdometryStep& step) {
   if (frame.state == Localization::kLost) return;
   ViewLoops& loops = impl_->loops;
   if (frame.keyframe) {
-    // After a loss that began a new map: all that the pose claims, which has grown meanwhile.
-    const bool measured = !frame.covariance_since_keyframe.isZero(0.0) && !frame.restarted;
     const int before = loops.views();
     ProcessorStopwatch watch;
-    loops.keyframe(frame.T_WC, measured ? frame.covariance_since_keyframe : frame.covariance,
-                   step.images.left.view(), step.images.right.view());
+    loops.keyframe(frame, step.images.left.view(), step.images.right.view());
     if (loops.views() > before) impl_->milliseconds.push_back(watch.lap());
   }
   if (loops.views() == 0) return;

@@ -189,9 +189,18 @@ void print(const OdometrySummary& s, bool truth) {
 }
 
 /// What loops made of the trajectory, beside what it is without them.
-nlohmann::ordered_json loops_json(const OdometryLoopsResult& loops, const Trajectory& truth) {
-  const TrajectoryErrors final = trajectory_errors(associate(loops.final, truth));
-  const TrajectoryErrors online = trajectory_errors(associate(loops.online, truth));
+struct LoopedTrajectory {
+  OdometryLoopsResult loops;
+  TrajectoryErrors final, online;
+
+  LoopedTrajectory(OdometryLoopsResult result, const Trajectory& truth)
+      : loops(std::move(result)),
+        final(trajectory_errors(associate(loops.final, truth))),
+        online(trajectory_errors(associate(loops.online, truth))) {}
+};
+
+nlohmann::ordered_json loops_json(const LoopedTrajectory& looped) {
+  const auto& [loops, final, online] = looped;
   return {{"views", loops.views},
           {"found", loops.found},
           {"used", loops.used},
@@ -204,19 +213,18 @@ nlohmann::ordered_json loops_json(const OdometryLoopsResult& loops, const Trajec
           {"ate_best_fit_rmse_online_m", online.ate_fit.rmse}};
 }
 
-void print_loops(const OdometryLoopsResult& loops, const nlohmann::ordered_json& json) {
+void print_loops(const LoopedTrajectory& looped) {
+  const auto& [loops, final, online] = looped;
   std::printf("loops        %d of %d used, among %d views; a pose moved by %.2f m at most\n",
               loops.used, loops.found, loops.views, loops.farthest);
-  if (std::isfinite(json["ate_best_fit_rmse_m"].get<double>())) {
+  if (std::isfinite(final.ate_fit.rmse)) {
     std::printf(
         "with loops   ATE %.4f m rmse with the first pose aligned, %.4f m with the best fit; "
         "end error %.4f m\n",
-        json["ate_first_pose_rmse_m"].get<double>(), json["ate_best_fit_rmse_m"].get<double>(),
-        json["end_error_m"].get<double>());
+        final.ate_first.rmse, final.ate_fit.rmse, final.end.translation);
     std::printf(
         "  as it went ATE %.4f m rmse with the first pose aligned, %.4f m with the best fit\n",
-        json["ate_first_pose_rmse_online_m"].get<double>(),
-        json["ate_best_fit_rmse_online_m"].get<double>());
+        online.ate_first.rmse, online.ate_fit.rmse);
   }
   std::printf("  processor  %.1f ms a view in the median, %.1f ms at most\n", loops.processor.p50,
               loops.processor.max);
@@ -272,11 +280,11 @@ int odometry(const OdometryArguments& arguments, SignalGuard& signals) {
     calibrated = calibration->result();
     json["calibration"] = calibration_json(*calibrated);
   }
-  std::optional<OdometryLoopsResult> looped;
+  std::optional<LoopedTrajectory> looped;
   if (loops) {
-    looped = loops->result();
-    json["loops"] = loops_json(*looped, dataset.ground_truth());
-    json["ms"]["loops"] = times_json(looped->processor);
+    looped.emplace(loops->result(), dataset.ground_truth());
+    json["loops"] = loops_json(*looped);
+    json["ms"]["loops"] = times_json(looped->loops.processor);
   }
   if (page) {
     auto timeless = json;
@@ -287,7 +295,7 @@ int odometry(const OdometryArguments& arguments, SignalGuard& signals) {
         {"frames.csv", frames_csv(run)},
         {"odometry.html", page->html(timeless)},
         {"summary.json", json.dump(2) + "\n"}};
-    if (looped) files.emplace_back(kWithLoops, tum_text(looped->final));
+    if (looped) files.emplace_back(kWithLoops, tum_text(looped->loops.final));
     for (const auto& [name, content] : files) {
       const std::string problem = out->write(name, content);
       if (!problem.empty()) {
@@ -305,7 +313,7 @@ int odometry(const OdometryArguments& arguments, SignalGuard& signals) {
     for (const std::string& note : notes) std::printf("note         %s\n", note.c_str());
     print(summary, !dataset.ground_truth().empty());
     print_imu(run);
-    if (looped) print_loops(*looped, json["loops"]);
+    if (looped) print_loops(*looped);
     if (calibrated) std::fputs(calibration_text(*calibrated).c_str(), stdout);
     if (out) std::printf("written to   %s\n", out->path().c_str());
   }

@@ -140,6 +140,15 @@ int replay_unchanged(const RecordedRun& run, const Configuration& recorded,
   return kDone;
 }
 
+/// What the run was driven with, and `settings` on top.
+Configuration configuration_of(const RecordedRun& run, const Registries& registries,
+                               const std::vector<YamlSetting>& settings = {}) {
+  std::vector<YamlSetting> all = settings_before_their_keys();
+  all.insert(all.end(), settings.begin(), settings.end());
+  return configuration_from_text(run.configuration, run.source + ": configuration", registries,
+                                 all);
+}
+
 Configuration other_configuration(const RecordedRun& run, const ReplayArguments& arguments,
                                   const Registries& registries) {
   const std::vector<YamlSetting> settings = arguments.other.settings();
@@ -150,10 +159,7 @@ Configuration other_configuration(const RecordedRun& run, const ReplayArguments&
                        "sensors of a replay are those recorded");
     }
   }
-  std::vector<YamlSetting> all = settings_before_their_keys();
-  all.insert(all.end(), settings.begin(), settings.end());
-  Configuration other =
-      configuration_from_text(run.configuration, run.source + ": configuration", registries, all);
+  Configuration other = configuration_of(run, registries, settings);
   // What was recorded is nobody's to mend.
   std::erase_if(other.notices, [](const auto& notice) { return !notice.starts_with("--set "); });
   tell_notices(other.notices);
@@ -194,8 +200,7 @@ void write_replay(const RecordedRun& run, const Replay& replay, const ReplayArgu
 int replay_changed(const RecordedRun& run, const std::string& source,
                    const ReplayArguments& arguments, const Invocation& in, Progress& progress) {
   const Registries& registries = in.registries;
-  const Configuration configuration = configuration_from_text(
-      run.configuration, run.source + ": configuration", registries, settings_before_their_keys());
+  const Configuration configuration = configuration_of(run, registries);
   const Configuration other = other_configuration(run, arguments, registries);
   for (const Configuration* c : {&configuration, &other}) {
     if (tell_if_absent(c->solver, registries.solvers)) return kNotBuiltIn;
@@ -279,9 +284,7 @@ int replay(const ReplayArguments& arguments, const Invocation& in) {
       arguments.other.empty() && arguments.from == 0 && arguments.to == ReplayArguments::kToTheEnd;
   if (run.real_time) return replay_drive(run, unchanged, arguments, in, progress);
   if (!unchanged) return replay_changed(run, world, arguments, in, progress);
-  const Configuration configuration =
-      configuration_from_text(run.configuration, run.source + ": configuration", in.registries,
-                              settings_before_their_keys());
+  const Configuration configuration = configuration_of(run, in.registries);
   if (tell_if_absent(configuration.solver, in.registries.solvers)) return kNotBuiltIn;
   world_of(run, world, configuration, progress);
   return replay_unchanged(run, configuration, world, arguments, progress, in.signals);
