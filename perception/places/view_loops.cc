@@ -14,12 +14,15 @@ namespace {
 using Eigen::Isometry3d;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
+constexpr int kAFew = 3;
+/// Of what is not known [m], [rad].
+constexpr double kLoose = 10.0, kLooseTurn = std::numbers::pi;
+
 double angle(const Isometry3d& T) { return Eigen::AngleAxisd(T.linear()).angle(); }
 
 /// One that the graph takes, whatever the odometry claims: loose where its claim is none.
 Matrix6d information_of(const Matrix6d& covariance) {
-  constexpr double kLeast = 1e-5;                                 // [m], [rad]
-  constexpr double kLoose = 10.0, kLooseTurn = std::numbers::pi;  // [m], [rad]
+  constexpr double kLeast = 1e-5;  // [m], [rad]
   const Matrix6d symmetric =
       0.5 * (covariance + covariance.transpose()) + kLeast * kLeast * Matrix6d::Identity();
   Matrix6d information = symmetric.inverse();
@@ -30,10 +33,16 @@ Matrix6d information_of(const Matrix6d& covariance) {
   return loose.cwiseAbs2().cwiseInverse().asDiagonal();
 }
 
+PoseGraphOptions judging(const ViewLoopsOptions& options) {
+  PoseGraphOptions graph;
+  graph.judge.odds /= options.odds;
+  return graph;
+}
+
 }  // namespace
 
 ViewLoops::ViewLoops(const StereoCamera& camera, const ViewLoopsOptions& options)
-    : camera_(camera), options_(options) {}
+    : camera_(camera), options_(options), graph_(judging(options)) {}
 
 const Isometry3d& ViewLoops::measured(int view) const {
   return views_[static_cast<std::size_t>(view)].T_WC;
@@ -93,10 +102,33 @@ std::vector<ViewLoops::Candidate> ViewLoops::candidates(const StereoView& view) 
   return result;
 }
 
+bool ViewLoops::is_worth_solving() const {
+  if (kAFew * waiting_ >= static_cast<int>(loops_.size())) return true;
+  for (std::size_t n = loops_.size() - static_cast<std::size_t>(waiting_); n < loops_.size(); ++n) {
+    const Loop& loop = loops_[n];
+    const Isometry3d off =
+        loop.alignment.measured.T.inverse() * pose(loop.older).inverse() * pose(loop.newer);
+    if (off.translation().norm() > options_.most_off || angle(off) > options_.most_turned_off)
+      return true;
+  }
+  return false;
+}
+
+void ViewLoops::settle() {
+  if (waiting_ == 0) return;
+  graph_.optimise();
+  waiting_ = 0;
+}
+
 void ViewLoops::keyframe(const OdometryFrame& frame, const ImageView& left,
                          const ImageView& right) {
+  prior_.disparity_offset = frame.disparity_offset;
+  prior_.disparity_offset_sigma = frame.disparity_offset_sigma;
   const bool measured = !frame.covariance_since_keyframe.isZero(0.0) && !frame.restarted;
-  keyframe(frame.T_WC, measured ? frame.covariance_since_keyframe : frame.covariance, left, right);
+  Matrix6d since_last = measured ? frame.covariance_since_keyframe : frame.covariance;
+  // Meanwhile it may have turned anywhere, whatever it did before it was lost.
+  if (frame.restarted) since_last.diagonal().tail<3>().array() += kLooseTurn * kLooseTurn;
+  keyframe(frame.T_WC, since_last, left, right);
 }
 
 void ViewLoops::keyframe(const Isometry3d& T_WC, const Matrix6d& since_last, const ImageView& left,
@@ -121,17 +153,21 @@ void ViewLoops::keyframe(const Isometry3d& T_WC, const Matrix6d& since_last, con
   views_.push_back({std::move(view), T_WC});
   const StereoView& here = views_.back().view;
   int found = 0;
-  for (const Candidate& c : candidates(here)) {
+  const std::vector<Candidate> all = candidates(here);
+  for (const Candidate& c : all) {
     if (found == options_.enough) break;
+    ViewPrior prior = prior_;
+    prior.b_in_a = pose(c.view).inverse() * pose(id);
     const auto alignment = align_views(camera_, views_[static_cast<std::size_t>(c.view)].view, here,
-                                       options_.alignment);
+                                       prior, options_.alignment);
     if (!alignment || graph_.add_loop(c.view, id, alignment->measured) != GraphInput::kTaken)
       continue;
     loops_.push_back({c.view, id, *alignment, c.by_looks});
     ++found;
   }
   index_.add(here);
-  if (found > 0) graph_.optimise();
+  waiting_ += found;
+  if (found > 0 && is_worth_solving()) settle();
 }
 
 }  // namespace prospect

@@ -24,8 +24,13 @@ struct ViewLoopsOptions {
   /// The newest views, which the odometry itself joins, are no candidates.
   int newest = 10;
   int by_looks = 3, by_place = 3;  ///< candidates of a view
-  int enough = 2;                  ///< loops of a view: others would say the same again
-  int least_votes = 12;
+  int enough = 1;                  ///< loops of a view: others would say the same again
+  int least_votes = 3;             ///< few: after a loss nobody knows what is nearby
+  /// Of right to wrong loops among those that align_views() finds: the graph asks so much less.
+  double odds = 3.0;
+  /// Loops wait for others until one of them would move a view by this [m], [rad], or a third of
+  /// all of them wait: to judge them takes as long for one as for many.
+  double most_off = 0.15, most_turned_off = 0.02;
   double reach = 3.0, bend = 0.8;  ///< [m] and [rad] apart: seen from there, places look the same
 };
 
@@ -34,8 +39,10 @@ struct ViewLoopsOptions {
 /// loops, which it judges.
 ///
 /// Candidates of a view are the older ones that most corners vote for (ViewIndex), and those that
-/// by the graph were taken nearby, looking the same way. Geometry decides (align_views()). The
-/// odometry itself is not touched: what it gives is corrected, its own window of landmarks is not.
+/// by the graph were taken nearby, looking the same way. Geometry decides (align_views()), and the
+/// graph. Where a map began anew after a loss, by how much it is turned is not known: two loops
+/// that agree join it to the one before. The odometry itself is not touched: what it gives is
+/// corrected, its own window of landmarks is not.
 ///
 /// Thread-safety: one thread. Deterministic: it counts its work, and does not look at a clock.
 class ViewLoops {
@@ -61,6 +68,8 @@ class ViewLoops {
   const std::vector<Loop>& loops() const { return loops_; }
   LoopState state(std::size_t loop) const { return graph_.loops()[loop]; }
   std::size_t used() const;
+  /// Judges and enters those that wait. Until then poses are without them.
+  void settle();
 
   int views() const { return static_cast<int>(views_.size()); }
   /// Where the odometry had it, and where it is by all loops.
@@ -76,6 +85,7 @@ class ViewLoops {
     int view = 0;
     bool by_looks = false;
   };
+  bool is_worth_solving() const;
   std::vector<Candidate> candidates(const StereoView& view) const;
 
   StereoCamera camera_;
@@ -87,6 +97,8 @@ class ViewLoops {
   /// Of the motion since the newest view, up to the newest keyframe.
   Eigen::Matrix<double, 6, 6> since_view_ = Eigen::Matrix<double, 6, 6>::Zero();
   Eigen::Isometry3d T_WK_ = Eigen::Isometry3d::Identity();  // of the newest keyframe
+  int waiting_ = 0;  // the newest loops, which the graph has not judged
+  ViewPrior prior_;  // of the newest frame
 };
 
 }  // namespace prospect

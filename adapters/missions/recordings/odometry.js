@@ -24,6 +24,8 @@ if (known) {
   if (isNumber(s.rpe_10m_percent)) figure("per 10 m", fixed(s.rpe_10m_percent, 2), "%");
   else if (isNumber(s.rpe_1m_percent)) figure("per 1 m", fixed(s.rpe_1m_percent, 2), "%");
 }
+if (s.loops) figure("loops", fixed(s.loops.used, 0), "");
+if (s.loops && isNumber(s.loops.end_error_m)) figure("error at the end with loops", fixed(s.loops.end_error_m, 3), "m");
 figure("losses", fixed(s.losses, 0), "", s.losses > 0);
 
 // ---- Picture with landmarks ---------------------------------------------------------------------
@@ -38,7 +40,8 @@ function drawPicture(k) {
 // ---- Path ---------------------------------------------------------------------------------------
 const map = $("path"), ink = map.getContext("2d");
 $("axes").textContent = `${run.axes[0]} to the right, ${run.axes[1]} upwards [m]`;
-let marker = null;
+const loops = run.loops || [], looped = Boolean(column.looped_x);
+let marker = null, loopsDrawn = 0;
 function drawPath(k) {
   const density = devicePixelRatio || 1;
   const width = map.clientWidth, height = map.clientHeight;
@@ -46,7 +49,9 @@ function drawPath(k) {
   map.height = Math.max(1, Math.round(height * density));
   ink.setTransform(density, 0, 0, density, 0, 0);
   let low = [Infinity, Infinity], high = [-Infinity, -Infinity];
-  for (const [xs, ys] of [[column.x, column.y], [column.true_x, column.true_y]]) {
+  const paths = [[column.x, column.y], [column.true_x, column.true_y]];
+  if (looped) paths.push([column.looped_x, column.looped_y]);
+  for (const [xs, ys] of paths) {
     for (let i = 0; i < n; ++i) {
       if (!isNumber(xs[i])) continue;
       low = [Math.min(low[0], xs[i]), Math.min(low[1], ys[i])];
@@ -82,12 +87,26 @@ function drawPath(k) {
     ink.strokeStyle = color; ink.lineWidth = widthPx; ink.globalAlpha = alpha; ink.lineJoin = "round"; ink.stroke(); ink.globalAlpha = 1;
   };
   line(column.true_x, column.true_y, css("--true"), 4, 0.45);
-  line(column.x, column.y, css("--estimated"), 2, 1);
+  line(column.x, column.y, css("--estimated"), 2, looped ? 0.6 : 1);
+  if (looped) line(column.looped_x, column.looped_y, css("--good"), 2, 1);
+  // Those of the frame that is shown stand out.
+  const ring = (point, radius) => { const [px, py] = at(...point); ink.beginPath(); ink.arc(px, py, radius, 0, 2 * Math.PI); ink.stroke(); };
+  loopsDrawn = 0;
+  for (const loop of loops) {
+    const here = loop.older === k || loop.newer === k;
+    ink.strokeStyle = css("--frontier"); ink.lineWidth = here ? 2.5 : 1; ink.globalAlpha = here ? 1 : 0.55;
+    ink.beginPath(); ink.moveTo(...at(...loop.from)); ink.lineTo(...at(...loop.to)); ink.stroke();
+    ring(loop.from, here ? 5 : 3); ring(loop.to, here ? 5 : 3);
+    ++loopsDrawn;
+  }
+  ink.globalAlpha = 1;
   const [px, py] = at(column.x[k], column.y[k]);
   ink.beginPath(); ink.arc(px, py, 6, 0, 2 * Math.PI);
   ink.fillStyle = css("--estimated"); ink.fill(); ink.strokeStyle = css("--halo"); ink.lineWidth = 2; ink.stroke();
   marker = { x: px * density, y: py * density, shown: [px, py] };
 }
+$("looped-legend").hidden = !looped;
+$("loops-legend").hidden = loops.length === 0;
 $("true-legend").hidden = !column.true_x.some(isNumber);
 
 // ---- Plots --------------------------------------------------------------------------------------
@@ -95,8 +114,8 @@ let step = -1;
 const { plots, add: addPlot } = recordingPlots({ column, step: () => step, seek, all: { valueRange: [0, null], drawPoints: n === 1 } });
 const metres = (v) => (isNumber(v) ? `${compact(v)} m` : "–"), degrees = (v) => (isNumber(v) ? `${compact(v)}°` : "–"), whole = (v) => fixed(v, 0);
 const one = (name, color, values) => ({ name, color, values });
-const errorOf = (name, values) => (values.some(isNumber) ? [one(name, "--bad", values)] : []);
-addPlot("Position", "m", [...errorOf("error", column.error), one("claimed standard deviation", "--accent", column.sigma)], metres);
+const errorOf = (name, values, color = "--bad") => (values.some(isNumber) ? [one(name, color, values)] : []);
+addPlot("Position", "m", [...errorOf("error", column.error), ...(looped ? errorOf("error with loops", column.looped_error, "--good") : []), one("claimed standard deviation", "--accent", column.sigma)], metres);
 addPlot("Orientation", "degrees", [...errorOf("error", column.turned), one("claimed standard deviation", "--accent", column.sigma_turn)], degrees);
 addPlot("Landmarks", "in view", [one("expected", "--ink-3", column.expected), one("tracked", "--good", column.tracked), one("in both images", "--frontier", column.confirmed)], whole);
 addPlot("New landmarks", "at keyframes", [one("new", "--made", column.made)], whole);
@@ -213,6 +232,7 @@ if (location.hash === "#selftest") Promise.allSettled(pictures.map((p) => p.read
         expect(`the cursor of plot ${i} is at frame ${k}`, Math.abs(x - plot.graph.toDomXCoord(column.time[k])) < 1);
       });
     }
+    if (looped) lines.push(`loops ${loopsDrawn} of ${s.loops.used} drawn, poses with loops ${column.looped_x.filter(isNumber).length}`);
     lines.push(`plots ${plots.length} images ${pictures.length} circles ${diagram.circles}`);
     dispatchEvent(new KeyboardEvent("keydown", { key: "End", bubbles: true }));
     expect("the End key leads to the last frame", step === n - 1);

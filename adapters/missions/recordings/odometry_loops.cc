@@ -24,6 +24,7 @@ struct OdometryLoops::Impl {
 
   ViewLoops loops;
   std::vector<Seen> seen;
+  std::vector<double> stamps;  // of the views
   Trajectory online;
   std::vector<double> milliseconds;
 };
@@ -40,7 +41,10 @@ void OdometryLoops::add(const OdometryStep& step) {
     const int before = loops.views();
     ProcessorStopwatch watch;
     loops.keyframe(frame, step.images.left.view(), step.images.right.view());
-    if (loops.views() > before) impl_->milliseconds.push_back(watch.lap());
+    if (loops.views() > before) {
+      impl_->milliseconds.push_back(watch.lap());
+      impl_->stamps.push_back(frame.stamp);
+    }
   }
   if (loops.views() == 0) return;
   const int view = loops.views() - 1;
@@ -48,13 +52,22 @@ void OdometryLoops::add(const OdometryStep& step) {
   impl_->online.push_back({frame.stamp, loops.corrected(frame.T_WC)});
 }
 
-OdometryLoopsResult OdometryLoops::result() const {
-  const ViewLoops& loops = impl_->loops;
+OdometryLoopsResult OdometryLoops::result() {
+  ViewLoops& loops = impl_->loops;
+  loops.settle();
   OdometryLoopsResult result;
   result.views = loops.views();
   result.found = static_cast<int>(loops.loops().size());
   result.used = static_cast<int>(loops.used());
   result.online = impl_->online;
+  for (std::size_t n = 0; n < loops.loops().size(); ++n) {
+    if (loops.state(n) != LoopState::kUsed) continue;
+    const ViewLoops::Loop& loop = loops.loops()[n];
+    result.loops.push_back({impl_->stamps[static_cast<std::size_t>(loop.older)],
+                            impl_->stamps[static_cast<std::size_t>(loop.newer)],
+                            loops.pose(loop.older).translation(),
+                            loops.pose(loop.newer).translation()});
+  }
   for (const Impl::Seen& s : impl_->seen) {
     const Eigen::Isometry3d T_WC = loops.pose(s.view) * s.T_VC;
     const Eigen::Isometry3d measured = loops.measured(s.view) * s.T_VC;
@@ -79,7 +92,7 @@ OdometryLoops::OdometryLoops(const StereoCamera&) {
 OdometryLoops::~OdometryLoops() = default;
 OdometryLoops::OdometryLoops(OdometryLoops&&) noexcept = default;
 void OdometryLoops::add(const OdometryStep&) {}
-OdometryLoopsResult OdometryLoops::result() const { return {}; }
+OdometryLoopsResult OdometryLoops::result() { return {}; }
 
 }  // namespace prospect
 

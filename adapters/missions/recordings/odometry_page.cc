@@ -44,6 +44,49 @@ class Columns {
   nlohmann::ordered_json json_ = nlohmann::ordered_json::object();
 };
 
+/// The path by all loops, a column an axis and one of its errors, of all frames; not a number where
+/// there is no pose, or no truth.
+struct LoopedPath {
+  std::vector<double> x, y, error;
+
+  LoopedPath(const std::vector<OdometryFrame>& frames,
+             const std::vector<std::optional<Eigen::Isometry3d>>& truths,
+             const OdometryLoopsResult& loops, int right, int up) {
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    std::optional<Eigen::Isometry3d> alignment;
+    auto next = loops.final.begin();
+    for (std::size_t k = 0; k < frames.size(); ++k) {
+      while (next != loops.final.end() && next->stamp < frames[k].stamp) ++next;
+      const bool there = next != loops.final.end() && next->stamp == frames[k].stamp;
+      x.push_back(there ? next->T.translation()[right] : nan);
+      y.push_back(there ? next->T.translation()[up] : nan);
+      error.push_back(nan);
+      if (!there || !truths[k]) continue;
+      if (!alignment) alignment = next->T * truths[k]->inverse();
+      error.back() = (*alignment * truths[k]->translation() - next->T.translation()).norm();
+    }
+  }
+};
+
+/// Of each loop: the frames that show the same, and where they are.
+nlohmann::ordered_json loops_json(const std::vector<OdometryFrame>& frames,
+                                  const OdometryLoopsResult& loops, int right, int up) {
+  const auto frame_at = [&](double stamp) {
+    const auto at =
+        std::lower_bound(frames.begin(), frames.end(), stamp,
+                         [](const OdometryFrame& f, double value) { return f.stamp < value; });
+    return at - frames.begin();
+  };
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  for (const OdometryLoopsResult::Loop& loop : loops.loops) {
+    json.push_back({{"older", frame_at(loop.older_stamp)},
+                    {"newer", frame_at(loop.newer_stamp)},
+                    {"from", {loop.older[right], loop.older[up]}},
+                    {"to", {loop.newer[right], loop.newer[up]}}});
+  }
+  return json;
+}
+
 }  // namespace
 
 OdometryPage::OdometryPage(int frames, int max_images) : every_(1) {
@@ -63,7 +106,8 @@ void OdometryPage::add(const OdometryStep& step) {
       landmark_picture(number, step.images.left, step.odometry.sightings(), kPictureWidth));
 }
 
-std::string OdometryPage::html(const nlohmann::ordered_json& summary) const {
+std::string OdometryPage::html(const nlohmann::ordered_json& summary,
+                               const OdometryLoopsResult* loops) const {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const auto [right, up] = map_axes(frames_);
   std::vector<double> time, state, expected, tracked, confirmed, made, x, y, true_x, true_y, error,
@@ -111,13 +155,20 @@ std::string OdometryPage::html(const nlohmann::ordered_json& summary) const {
   columns.add("turned", turned);
   columns.add("sigma", sigma);
   columns.add("sigma_turn", sigma_turn);
+  if (loops) {
+    const LoopedPath path(frames_, truths_, *loops, right, up);
+    columns.add("looped_x", path.x);
+    columns.add("looped_y", path.y);
+    columns.add("looped_error", path.error);
+  }
   const char* const kAxes[3] = {"x", "y", "z"};
-  const nlohmann::ordered_json run = {{"frames", frames_.size()},
-                                      {"axes", {kAxes[right], kAxes[up]}},
-                                      {"columns", columns.json()},
-                                      {"reasons", reasons},
-                                      {"pictures", pictures_json(pictures_)},
-                                      {"summary", summary}};
+  nlohmann::ordered_json run = {{"frames", frames_.size()},
+                                {"axes", {kAxes[right], kAxes[up]}},
+                                {"columns", columns.json()},
+                                {"reasons", reasons},
+                                {"pictures", pictures_json(pictures_)},
+                                {"summary", summary}};
+  if (loops) run["loops"] = loops_json(frames_, *loops, right, up);
   // The recording's own folder, of a path that may end in a slash.
   std::filesystem::path folder = summary.value("dataset", std::string());
   if (!folder.has_filename()) folder = folder.parent_path();

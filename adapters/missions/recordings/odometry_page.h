@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "adapters/missions/recordings/odometry_loops.h"
 #include "adapters/missions/recordings/odometry_run.h"
 #include "adapters/views/page/landmark_picture.h"
 
@@ -14,7 +15,8 @@ namespace prospect {
 
 /// One self-contained HTML page that works offline: the path from above, estimated and true; images
 /// with the landmarks on them; errors, standard deviations and counts over time; how reliable the
-/// predictions are, if that was looked at. A slider leads through the frames.
+/// predictions are, if that was looked at; the path straightened by loops, and where they are, if
+/// there are any. A slider leads through the frames.
 ///
 /// Images are at most 640 px wide, JPEG, and so few (`max_images`, evenly spread) that a page takes
 /// about 2 MB whatever the recording. No wall-clock times: the same recording gives the same bytes.
@@ -27,8 +29,9 @@ class OdometryPage {
   void add(const OdometryStep& step);
 
   /// `summary`: what `prospect odometry` writes as JSON, without its times ("ms"), with
-  /// "calibration" if there is one.
-  std::string html(const nlohmann::ordered_json& summary) const;
+  /// "calibration" if there is one. `loops`: what they made of the path, to be shown beside it.
+  std::string html(const nlohmann::ordered_json& summary,
+                   const OdometryLoopsResult* loops = nullptr) const;
 
  private:
   int every_;  ///< so many frames there is a picture

@@ -293,7 +293,7 @@ int odometry(const OdometryArguments& arguments, SignalGuard& signals) {
         {"trajectory.tum", tum_text(run.trajectory)},
         {"trajectory.kitti", kitti_text(run.trajectory)},
         {"frames.csv", frames_csv(run)},
-        {"odometry.html", page->html(timeless)},
+        {"odometry.html", page->html(timeless, looped ? &looped->loops : nullptr)},
         {"summary.json", json.dump(2) + "\n"}};
     if (looped) files.emplace_back(kWithLoops, tum_text(looped->loops.final));
     for (const auto& [name, content] : files) {

@@ -54,6 +54,15 @@ TEST(StereoView, DistanceCountsBits) {
   ViewDescriptor a = {1, 2, 4, ~std::uint64_t{0}}, b = {};
   EXPECT_EQ(distance(a, b), 67);
   EXPECT_EQ(distance(a, a), 0);
+  StereoView view;
+  view.points.resize(3);
+  view.points[1].descriptor = a;
+  view.points[2].descriptor = {3, 2, 4, 0};
+  std::int16_t bits[3];
+  distances(a, view, bits);
+  EXPECT_EQ(bits[0], 67);
+  EXPECT_EQ(bits[1], 0);
+  EXPECT_EQ(bits[2], 65);
 }
 
 }  // namespace

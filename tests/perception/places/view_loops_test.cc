@@ -48,6 +48,7 @@ struct Rounds {
       EXPECT_EQ(loops.views(), before + 1);
       truth.push_back(T);
     }
+    loops.settle();
   }
   double error(int view) const {
     return (loops.pose(view).translation() - truth[static_cast<std::size_t>(view)].translation())
@@ -76,6 +77,39 @@ TEST(ViewLoops, ASecondRoundTakesBackTheDrift) {
   // Where the odometry goes on is corrected alike.
   const Eigen::Isometry3d next = rounds.loops.corrected(rounds.loops.measured(41));
   EXPECT_TRUE(next.isApprox(rounds.loops.pose(41)));
+}
+
+/// Round the room twice by an exact odometry that is lost in between: it goes on in a new map, a
+/// quarter turn and a metre off, which it says itself to be off by half a metre and as many
+/// radians.
+TEST(ViewLoops, AMapThatBeganAnewIsJoined) {
+  const test::RenderedRoom room;
+  ViewLoops loops{camera()};
+  Eigen::Isometry3d off = Eigen::Isometry3d::Identity();
+  off.linear() = Eigen::AngleAxisd(0.5 * M_PI, Eigen::Vector3d::UnitZ()).matrix();
+  off.translation() << 0.8, -0.6, 0.0;
+  std::vector<Eigen::Isometry3d> truth;
+  for (int n = 0; n < 46; ++n) {
+    const double angle = 2.0 * M_PI * n / 24;
+    truth.push_back(test::RenderedRoom::looking(1.2 * std::cos(angle) - 0.3, 1.2 * std::sin(angle),
+                                                1.05, angle + 0.5 * M_PI));
+    const auto pair = room.render(camera(), truth.back(), 2.0, static_cast<std::uint64_t>(n));
+    OdometryFrame frame;
+    frame.T_WC = n < 24 ? truth.back() : off * truth.back();
+    frame.covariance_since_keyframe = 1e-5 * Matrix6d::Identity();
+    frame.restarted = n == 24;
+    if (frame.restarted) frame.covariance = 0.25 * Matrix6d::Identity();
+    loops.keyframe(frame, pair.left.view(), pair.right.view());
+  }
+  loops.settle();
+  ASSERT_EQ(loops.views(), 46);
+  EXPECT_GE(loops.used(), 2U);
+  EXPECT_GT((loops.measured(40).translation() - truth[40].translation()).norm(), 0.9);
+  for (int k = 30; k < 46; ++k) {
+    const Eigen::Isometry3d left = truth[static_cast<std::size_t>(k)].inverse() * loops.pose(k);
+    EXPECT_LT(left.translation().norm(), 0.15) << k;
+    EXPECT_LT(Eigen::AngleAxisd(left.linear()).angle(), 0.06) << k;
+  }
 }
 
 TEST(ViewLoops, NothingIsMovedWithoutALoop) {

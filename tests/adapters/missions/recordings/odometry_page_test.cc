@@ -4,12 +4,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <regex>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "adapters/views/page/binary_text.h"
 #include "tests/perception/rendered_room.h"
 
 namespace prospect::odometry_page_test {
@@ -27,7 +29,7 @@ StereoCamera camera() {
 
 /// The page of a run over so many frames, the last of which is blank.
 std::string page(int frames, int max_images, const nlohmann::ordered_json& summary,
-                 bool truth = true) {
+                 bool truth = true, const OdometryLoopsResult* loops = nullptr) {
   StereoOdometry odometry(camera());
   OdometryPage page(frames, max_images);
   for (int k = 0; k < frames; ++k) {
@@ -39,7 +41,7 @@ std::string page(int frames, int max_images, const nlohmann::ordered_json& summa
     page.add({k + 1, frame, odometry, pair,
               truth ? std::optional<Eigen::Isometry3d>(T_WC) : std::nullopt});
   }
-  return page.html(summary);
+  return page.html(summary, loops);
 }
 
 nlohmann::ordered_json run_of(const std::string& html) {
@@ -77,6 +79,32 @@ TEST(OdometryPage, WithoutTruthThereAreNoErrors) {
   const auto without = run_of(page(3, 4, {{"dataset", "x"}}, false));
   EXPECT_NE(with.at("columns").at("error"), without.at("columns").at("error"));
   EXPECT_EQ(with.at("columns").at("sigma"), without.at("columns").at("sigma"));
+}
+
+TEST(OdometryPage, ShowsThePathWithLoopsAndWhereTheyAre) {
+  OdometryLoopsResult loops;
+  loops.used = 1;
+  // Frame 1 has no pose. The view from above is that of (x, y).
+  for (const double stamp : {0.0, 0.2}) {
+    loops.final.push_back({stamp, RenderedRoom::looking(3.0 + stamp, 2.0, 1.05, 0.0)});
+  }
+  loops.loops.push_back({0.0, 0.2, {3.0, 2.0, 1.05}, {3.2, 2.5, 1.05}});
+  const nlohmann::ordered_json summary = {{"dataset", "x"}, {"loops", {{"used", 1}}}};
+  const auto run = run_of(page(4, 4, summary, true, &loops));
+  ASSERT_EQ(run.at("loops").size(), 1u);
+  const auto& loop = run.at("loops").at(0);
+  EXPECT_EQ(loop.at("older"), 0);
+  EXPECT_EQ(loop.at("newer"), 2);
+  const std::size_t x = run.at("axes").at(0) == "x" ? 0 : 1;
+  EXPECT_NE(run.at("axes").at(0), run.at("axes").at(1));
+  EXPECT_DOUBLE_EQ(loop.at("from").at(x), 3.0);
+  EXPECT_DOUBLE_EQ(loop.at("to").at(1 - x), 2.5);
+  const std::string path = run.at("columns").at(x == 0 ? "looped_x" : "looped_y");
+  BinaryText expected;
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const double v : {3.0, nan, 3.2, nan}) expected.add_float(v);
+  EXPECT_EQ(path, expected.base64());
+  EXPECT_FALSE(run_of(page(3, 4, summary)).contains("loops"));
 }
 
 TEST(OdometryPage, RefusesNoFrames) {
