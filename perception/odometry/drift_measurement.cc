@@ -2,6 +2,7 @@
 #include "perception/odometry/drift_measurement.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -32,6 +33,37 @@ class Sums {
   std::unordered_map<std::uint64_t, std::size_t> places_;
 };
 
+/// What the observations of a part of the image say of a pose.
+struct Part {
+  Matrix6d information;  // sum of J^T W J
+  Vector6d gradient;     // sum of J^T W r
+};
+
+/// Ratio of variances from which on the parts of an image disagree about the pose.
+constexpr double kDisagree = 9.0;
+
+/// By what the noise of a pose is larger for parts of the image that disagree; see of_pose().
+Matrix6d disagreement(const std::vector<Part>& parts, const Matrix6d& H, const Matrix6d& C) {
+  Matrix6d D = Matrix6d::Zero(), more = D;
+  for (const Part& part : parts) {
+    const Eigen::LDLT<Matrix6d> rest(H - part.information);
+    // Nothing is known of what only this part fixes.
+    if (rest.info() != Eigen::Success || !rest.isPositive()) continue;
+    const Vector6d change = rest.solve(part.gradient);
+    if (change.allFinite()) D += change * change.transpose();
+  }
+  const auto K = static_cast<double>(parts.size());
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6d> spectrum((K - 1.0) / K * D, C);
+  if (spectrum.info() != Eigen::Success) return more;
+  for (int i = 0; i < 6; ++i) {
+    const double lambda = spectrum.eigenvalues()[i];
+    if (!(lambda > kDisagree)) continue;
+    const Vector6d along = C * spectrum.eigenvectors().col(i);
+    more += (lambda - 1.0) * along * along.transpose();
+  }
+  return more;
+}
+
 }  // namespace
 
 bool DriftMeasurement::linearise(std::size_t k, Linearised& at) const {
@@ -54,6 +86,8 @@ PoseDrift::Measurement DriftMeasurement::of_pose() const {
   PoseDrift::Measurement m;
   Matrix6d H = Matrix6d::Zero(), noise = H;
   Sums<Eigen::Matrix<double, 6, 3>> gains;
+  Sums<Matrix6d> informations;
+  Sums<Vector6d> gradients;
   const double scale = std::sqrt(noise_variance_);
   for (std::size_t k = 0; k < observations_.index.size(); ++k) {
     Linearised at;
@@ -76,11 +110,23 @@ PoseDrift::Measurement DriftMeasurement::of_pose() const {
     gains[at.numbers.landmark] += scaled * at.errors.landmark;
     gains[at.numbers.area] += scaled * at.errors.area;
     gains[at.numbers.image] += scaled * at.errors.image;
+    informations[at.numbers.area] += information;
+    gradients[at.numbers.area] += JW * at.residual.r;
   }
   for (auto& [number, gain] : gains.all) m.shares.push_back({number, gain});
   const Eigen::LDLT<Matrix6d> solver(H);
   const Matrix6d of_noise = solver.solve(solver.solve(noise).transpose());
   m.noise = 0.5 * noise_variance_ * (of_noise + of_noise.transpose());
+  Matrix6d C = m.noise;
+  for (const PoseDrift::Share& share : m.shares) {
+    const Eigen::Matrix<double, 6, 3> owed = solver.solve(share.gain);
+    C += owed * owed.transpose();
+  }
+  std::vector<Part> parts;
+  for (std::size_t k = 0; k < informations.all.size(); ++k) {
+    parts.push_back({informations.all[k].second, gradients.all[k].second});
+  }
+  m.noise += disagreement(parts, H, C);
   return m;
 }
 

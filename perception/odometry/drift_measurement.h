@@ -33,6 +33,15 @@ class DriftMeasurement {
   /// With the errors L x + n of each observation (shared_errors.h), an error that lasts has the
   /// gain sum J^T W L over the observations that share it, and what is new in this frame makes the
   /// noise H^-1 (sum J^T W F W J) H^-1, F of n.
+  ///
+  /// Points that slide along an edge, lie on a thing that moves or are found in a wrong place err
+  /// by more. Where they do so together, a part of the image asks for another pose than the rest.
+  /// Without the part k of K (the areas of shared_errors.h) the pose would be another one by
+  ///   e_k = (H - H_k)^-1 sum_k J^T W r,
+  /// and D = (K - 1)/K sum e_k e_k^T is its covariance by what the parts say (delete-a-group
+  /// jackknife, Miller 1974). With C the one by the errors above, along each v of D v = lambda C v,
+  /// v^T C v = 1, with lambda > 9, three standard deviations, the noise is larger by
+  ///   (lambda - 1) C v v^T C.
   PoseDrift::Measurement of_pose() const;
 
   /// What the frame says of a constant error of the disparities: the true ones are d + delta.

@@ -8,6 +8,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <unordered_set>
 #include <utility>
 #include <vector>
 
@@ -58,6 +59,9 @@ using Vector6d = Eigen::Matrix<double, 6, 1>;
 constexpr std::uint64_t kRememberedFrames = 20;
 /// Probability of another motion from which on the pose is degraded.
 constexpr double kDoubt = 0.01;
+/// Landmarks of the world that tell a pose that is its own from that of something which moves: so
+/// many at least, and a tenth of all, for some agree with anything.
+constexpr int kLeastKnown = 3, kKnownShare = 10;
 /// Part of the accelerations that an IMU leaves unknown before any motion was seen.
 constexpr double kLeftByImu = 1.0 / 6.0;
 std::uint64_t of_frame(std::uint64_t frame) { return (std::uint64_t{1} << 63) | frame; }
@@ -136,6 +140,9 @@ struct StereoOdometry::Impl {
   std::optional<Isometry3d> by_imu;  // to the next frame
   SecondMotion second;
   bool may_be_carried = false;  // what the newest frame tracks
+  /// Landmarks that were there when the map began, or were found with enough of such.
+  std::unordered_set<std::uint64_t> of_world;
+  std::optional<double> unknown_since;  // when it was last known to be the world; none: it is [s]
 
   // What is learned on the way.
   double offset = 0.0;  // of all disparities, see disparity_offset.h [px]
@@ -180,8 +187,11 @@ struct StereoOdometry::Impl {
     const double since = std::max(0.0, stamp - trusted.stamp);
     const double before = std::clamp(since - clock.step(), 0.0, since);
     const double squares = since * since - before * before;
-    const Vector6d velocity = trusted.velocity.value_or(Vector6d::Zero());
-    const double t = 0.2 + velocity.head<3>().norm(), w = 0.2 + velocity.tail<3>().norm();
+    double t = SecondMotion::kUnknownSpeed, w = SecondMotion::kUnknownTurn;
+    if (trusted.velocity) {
+      t = 0.2 + trusted.velocity->head<3>().norm();
+      w = 0.2 + trusted.velocity->tail<3>().norm();
+    }
     covariance.diagonal().head<3>().array() += squares * t * t;
     covariance.diagonal().tail<3>().array() += squares * w * w;
   }
@@ -272,11 +282,9 @@ struct StereoOdometry::Impl {
   void take(const Candidate& candidate, double stamp, const FrameImages& now,
             const std::optional<Isometry3d>& motion, OdometryFrame& out) {
     const bool unproven = may_be_carried = carried(candidate.location, now, motion);
-    if (unproven) {
-      second.unknown(stamp - trusted.stamp);
-    } else {
-      take_second(candidate.location, stamp, motion);
-    }
+    const bool unknown = !known_world(stamp);
+    if (unproven || unknown) second.unknown(stamp - trusted.stamp);
+    if (!unproven) take_second(candidate.location, stamp, motion);
     covariance = covariance_of(candidate.location.pose);
     trusted.take(candidate.location.pose.T_CW, stamp, now.coarse());
     trusted.middle = now.middle();
@@ -284,10 +292,47 @@ struct StereoOdometry::Impl {
       trusted.velocity.reset();
       add_reason(out.reason, "what is tracked rests, the view does not: it may be carried");
     }
+    if (unknown) add_reason(out.reason, "hardly anything seen before is tracked: it may move");
     out.covariance_since_keyframe =
         drift.since(keyframe.anchor, trusted.T_CW * keyframe.T_CW.inverse()) +
         second.covariance_since(second_at_keyframe, trusted.T_CW);
     remember_pose();
+  }
+
+  /// Whether what is tracked is known to be the world: enough of it was there before what was found
+  /// last, or went with such. Where all that was seen before has vanished, what came instead may
+  /// move on its own. After as long as a loss makes a new map it is the world all the same: what
+  /// the camera did meanwhile is counted. Before the pose is taken.
+  bool known_world(double stamp) {
+    int found = 0, known = 0;
+    for (const Track& t : tracks) {
+      found += t.inlier;
+      known += t.inlier && of_world.contains(t.id);
+    }
+    const bool late = options.restart_after > 0.0 && unknown_since &&
+                      stamp - *unknown_since > options.restart_after;
+    if ((known < kLeastKnown || kKnownShare * known < found) && !late) {
+      if (!unknown_since) unknown_since = trusted.stamp;
+      return false;
+    }
+    unknown_since.reset();
+    for (const Track& t : tracks) {
+      if (t.inlier) of_world.insert(t.id);
+    }
+    return true;
+  }
+
+  /// Only of landmarks that may be seen again.
+  void forget_of_world() {
+    std::unordered_set<std::uint64_t> kept;
+    const auto keep = [&](const std::vector<Track>& points) {
+      for (const Track& t : points) {
+        if (of_world.contains(t.id)) kept.insert(t.id);
+      }
+    };
+    keep(tracks);
+    for (const Recall& recall : recalls.all()) keep(recall.tracks);
+    of_world = std::move(kept);
   }
 
   /// What the frame says of the motion's prior, and of what moves against the world. Before the
@@ -540,6 +585,9 @@ struct StereoOdometry::Impl {
       return false;
     }
     started = true;
+    of_world.clear();
+    for (const Track& t : tracks) of_world.insert(t.id);
+    unknown_since.reset();
     drift.begin(keyframe.anchor, covariance);
     remembered.clear();
     remember_pose();
@@ -668,6 +716,7 @@ OdometryFrame StereoOdometry::Impl::process(double stamp, const ImageView& left,
     begin_keyframe(std::move(now), options.background_mapping);
     drift.add(keyframe.anchor);
     drift.fade(numbers_of_areas(), options.shared_errors.memory);
+    forget_of_world();
     if (!options.background_mapping) out.matched = enter_landmarks(true);
   } else {
     std::erase_if(tracks, [&](const Track& t) { return t.misses > options.max_misses; });

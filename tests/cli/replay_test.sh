@@ -23,6 +23,14 @@ succeeds "a replay of a log" replay mission/mission.mcap --quiet
 grep -qF "mission/mission.mcap: $rows steps, the same bits" out.txt || fail "a replay of a log: '$out'"
 [[ ! -e mission/replay ]] || fail "an unchanged replay has written something"
 
+# --- With an IMU beside the cameras, whose samples the images are held against.
+timed_out "a mission with an IMU" explore corridor --sensors camera --time-limit 1 --seed 3 --set planner.weights.w_l=1 \
+  --set simulator.imu.rate=50 --mcap --quiet --out imu
+run inspect imu/mission.mcap
+grep -qE "^topic +/imu, ([5-9][0-9]|[1-9][0-9]{2,}) of sensor_msgs/msg/Imu" out.txt || fail "no IMU in the log: '$out'"
+succeeds "a replay with an IMU" replay imu --quiet
+grep -qF "imu: $(($(wc -l <imu/steps.csv) - 1)) steps, the same bits" out.txt || fail "a replay with an IMU: '$out'"
+
 # --- A digit of one step, and a seed, that are not those of the mission.
 cp -r mission other
 sed -i '4s/^\(2,[^,]*,\)[^,]*/\10.125/' other/steps.csv

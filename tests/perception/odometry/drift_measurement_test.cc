@@ -192,5 +192,41 @@ TEST_F(DriftMeasurements, TheCovarianceHoldsForErrorsThatLast) {
   EXPECT_LT(independent[1], 0.7);
 }
 
+// A few near points that are well seen, in a wrong place, draw the pose away from all others.
+TEST_F(DriftMeasurements, APartOfTheImageThatAsksForAnotherPoseMakesItLessSure) {
+  sigma_.z() = 0.01;
+  Scene s = scene(60, 0.0);
+  for (std::size_t i = 0; i < s.tracks.size(); ++i) {
+    Track& t = s.tracks[i];
+    const bool near = i < 4;
+    if (near) t.pixel << 365.0f + 5.0f * static_cast<float>(i), 275.0f + 10.0f * (i % 2);
+    t.disparity = camera_.left.fx * camera_.baseline / (near ? 1.0 : uniform(1.5, 8.0));
+    s.points[i] = camera_.triangulate(t.pixel.x(), t.pixel.y(), t.disparity);
+    t.left_covariance = (near ? 0.0 : 0.25) * Eigen::Matrix2d::Identity();
+    t.right_variance = near ? 0.0 : 0.25;
+  }
+  const Isometry3d truth = motion(0.02, 0.02);
+  const auto measured = [&](double shift, double& off) {
+    std::vector<Vector3d> errors(s.tracks.size(), Vector3d::Zero());
+    for (std::size_t i = 0; i < 4; ++i) errors[i] = shift * Vector3d(1, 0, 1);
+    see(s, truth, 0.0, errors);
+    const TrackObservations seen = observe_tracks(s.tracks, sigma_, 0.0);
+    const PoseEstimate e = refine_pose(camera_, seen.seen, {}, truth, options_);
+    EXPECT_TRUE(e.solved);
+    PoseDrift drift;
+    drift.begin(1, Matrix6d::Zero());
+    const SharedErrorOptions shared;
+    const Matrix6d C = drift.measure(
+        DriftMeasurement(camera_, s.tracks, seen, e, options_, shared, 1.0).of_pose());
+    off = log_se3(e.T_CW * truth.inverse()).head<3>().norm();
+    return std::sqrt(C.topLeftCorner<3, 3>().trace());
+  };
+  double off = 0.0, off_by_them = 0.0;
+  const double sure = measured(0.0, off), less_sure = measured(3.0, off_by_them);
+  EXPECT_LT(off, 3.0 * sure);
+  EXPECT_GT(off_by_them, 4.0 * sure);
+  EXPECT_LT(off_by_them, 3.0 * less_sure);
+}
+
 }  // namespace
 }  // namespace prospect::drift_measurement_test
