@@ -12,7 +12,7 @@ namespace prospect {
 /// stamp it is somewhere within
 ///   reach(t) = radius + min(spread t, kMostSpread)   of   at(t) = position + t velocity.
 struct Mover {
-  static constexpr double kMostSpread = 1.0;  ///< [m]
+  static constexpr double kMostSpread = 0.5;  ///< [m]
 
   Eigen::Vector2d position = Eigen::Vector2d::Zero();  ///< [m]
   Eigen::Vector2d velocity = Eigen::Vector2d::Zero();  ///< [m/s]; zero: it stands

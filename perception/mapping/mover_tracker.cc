@@ -14,6 +14,9 @@ namespace prospect {
 namespace {
 
 constexpr double kFirstSpeed = 1.0;      // [m/s] one sigma of a velocity that nobody has measured
+constexpr double kWalksOn = 2.0;         // [s] unseen: then they may be anywhere
+constexpr double kInTheMap = 1.0;        // [s] unseen, of what is entered into the map meanwhile
+constexpr double kWalks = 0.3;           // [m/s]
 constexpr double kMostStep = 0.5;        // [m] from where a thing was expected to where it is
 constexpr int kApart = 2;                // [cells] between neighbours of one thing
 constexpr std::size_t kMostCells = 500;  // more that are new: the pose is off, or the map
@@ -109,6 +112,29 @@ void MoverTracker::predict(Track& track, double stamp) const {
   track.stamp = stamp;
 }
 
+bool MoverTracker::seen_through(const Track& track, const HeightSlice& slice, const DepthScan& scan,
+                                double resolution) {
+  const Eigen::Vector2d from = scan.origin.head<2>(), to_track = track.x.head<2>() - from;
+  const double aside = std::max(0.5 * track.radius, resolution);
+  const auto passes = [&](const Eigen::Vector3d& p, double length) {
+    const Eigen::Vector2d ray = p.head<2>() - from;
+    const double unit = ray.norm();
+    if (!(unit > 0.0)) return false;
+    const double ahead = ray.dot(to_track) / unit;
+    const double reached = std::isfinite(length) ? std::max(length, 0.0) : unit;
+    if (!(ahead > 0.0 && ahead + track.radius < reached)) return false;
+    const double beside = std::abs(ray.x() * to_track.y() - ray.y() * to_track.x()) / unit;
+    const double z = scan.origin.z() + (p.z() - scan.origin.z()) * ahead / unit;
+    return beside < aside && z >= slice.z_min && z <= slice.z_max;
+  };
+  const auto any = [&](const std::vector<Eigen::Vector3d>& points, bool missed) {
+    return std::any_of(points.begin(), points.end(), [&](const Eigen::Vector3d& p) {
+      return passes(p, missed ? scan.reach : (p - scan.origin).head<2>().norm());
+    });
+  };
+  return any(scan.hits, false) || any(scan.misses, true);
+}
+
 void MoverTracker::measure(Track& track, const Thing& thing, double sigma) const {
   const Eigen::Matrix2d S =
       track.P.topLeftCorner<2, 2>() + sigma * sigma * Eigen::Matrix2d::Identity();
@@ -130,6 +156,12 @@ int MoverTracker::track_of(const Thing& thing, const std::vector<char>& taken) c
     best = static_cast<int>(n);
   }
   return best;
+}
+
+double MoverTracker::remembered(const Track& track) const {
+  if (track.stands) return std::min(kInTheMap, options_.keep);
+  const bool walks = track.has_moved && track.x.tail<2>().norm() > kWalks;
+  return walks ? std::min(kWalksOn, options_.keep) : options_.keep;
 }
 
 void MoverTracker::judge(Track& track, double stamp) const {
@@ -191,7 +223,9 @@ void MoverTracker::look(double stamp, const GroundMap& ground, const HeightSlice
     judge(track, stamp);
     if (!track.stands) held.push_back(std::move(thing));
   }
-  std::erase_if(tracks_, [&](const Track& t) { return stamp - t.seen > options_.keep; });
+  std::erase_if(tracks_, [&](const Track& t) {
+    return stamp - t.seen > remembered(t) || (stamp > t.seen && seen_through(t, slice, scan, r));
+  });
   if (held.empty()) return note_what_came(ground, slice, scan);
   // All of somebody, from the feet to the head, at whatever height the body looks for it.
   const auto is_held = [&](const Eigen::Vector3d& p) {
@@ -223,7 +257,7 @@ std::shared_ptr<const Movers> MoverTracker::movers(double stamp) const {
   auto known = std::make_shared<Movers>();
   known->stamp = stamp;
   for (const Track& track : tracks_) {
-    if (stamp - track.seen > options_.keep) continue;
+    if (stamp - track.seen > remembered(track)) continue;
     known->all.push_back(track.mover(options_.spread).after(std::max(0.0, stamp - track.stamp)));
   }
   return known;

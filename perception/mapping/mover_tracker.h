@@ -26,7 +26,7 @@ struct MoverTrackerOptions {
   double largest = 1.2;       ///< [m] across: what is larger is no mover
   double acceleration = 1.0;  ///< [m/s^2] one sigma of how a mover's velocity changes in a second
   double spread = 0.3;        ///< [m/s] by which what is predicted grows at least
-  double keep = 1.0;          ///< [s] for which one that is not seen any more is predicted
+  double keep = 10.0;  ///< [s] for which one that stood and is not seen any more is remembered
 };
 /// The knobs (models/knobs.h).
 void describe(Knobs& knobs, MoverTrackerOptions& options);
@@ -45,6 +45,10 @@ void describe(Knobs& knobs, MoverTrackerOptions& options);
 ///   x = (p, v),   p <- p + v dt,   cov += W W' acceleration^2 dt^2,   W = (dt/2, 1),
 /// measured with one sigma of a cell. The spread of its Mover is that of v's sigma and
 /// options.spread.
+///
+/// Who is not seen any more, beside the robot or out of view, has not gone: who walked is predicted
+/// for two seconds, and may be anywhere then; who stood is there until a ray at the body's heights
+/// passes through that place, or for options.keep.
 ///
 /// What becomes of the hits. A thing that is new may be somebody, or a chair leg that no ray had
 /// met yet. For `stands_after` it has the benefit of the doubt: its hits clear up to them and are
@@ -93,9 +97,14 @@ class MoverTracker {
   bool is_new(const GroundMap& ground, Cell cell) const;
   std::vector<Thing> things(const GroundMap& ground, std::span<const Cell> cells) const;
   void predict(Track& track, double stamp) const;
+  /// Whether a ray passes through where a track is.
+  static bool seen_through(const Track& track, const HeightSlice& slice, const DepthScan& scan,
+                           double resolution);
   void measure(Track& track, const Thing& thing, double sigma) const;
   /// The track that goes on with a thing, at its time; none: -1.
   int track_of(const Thing& thing, const std::vector<char>& taken) const;
+  /// [s] for which one that is not seen is.
+  double remembered(const Track& track) const;
   void judge(Track& track, double stamp) const;
 
   /// Enters what hits free cells and is not held back.

@@ -18,8 +18,9 @@ void describe(Knobs& knobs, MoverTrackerOptions& o) {
                "one sigma of how a mover's velocity changes in a second");
   knobs.number("spread", o.spread, {0.0, 10.0}, "m/s",
                "by which the place that is predicted for a mover grows at least");
-  knobs.number("keep", o.keep, {0.0, 60.0}, "s",
-               "for which a mover that is not seen any more is predicted");
+  knobs.number(
+      "keep", o.keep, {0.0, 60.0}, "s",
+      "for which a mover that stood is remembered out of view, unless a ray passes through it");
 }
 
 }  // namespace prospect

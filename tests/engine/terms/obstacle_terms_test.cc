@@ -116,7 +116,7 @@ TEST(ObstacleCost, OfMoversIsThatOfBeingNearAnyOfThemAtItsTime) {
         for (const Mover& m : people()) {
           const Eigen::Vector2d at = m.position + time * m.velocity;
           const double d = (pose.position.head<2>() - at).norm() - m.radius -
-                           std::min(m.spread * time, 1.0) - radius;
+                           std::min(m.spread * time, Mover::kMostSpread) - radius;
           clear *= 1.0 - near(d);
         }
         sum += 1.0 - clear;

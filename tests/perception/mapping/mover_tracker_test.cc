@@ -26,12 +26,14 @@ class Hall {
     for (int n = 0; n < 5; ++n) scan({});
   }
 
-  /// One scan with upright cylinders in the room, `drift` [m] off in x.
-  void scan(const std::vector<Disc>& things, double drift = 0.0) {
+  /// One scan with upright cylinders in the room, `drift` [m] off in x, from the angle `from` on
+  /// [rad].
+  void scan(const std::vector<Disc>& things, double drift = 0.0, double from = -1.5) {
     DepthScan s;
     s.origin = {drift, 0.0, 0.35};
     for (int k = -150; k <= 150; ++k) {
       const double angle = 0.01 * k;
+      if (angle < from) continue;
       const Eigen::Vector2d along(std::cos(angle), std::sin(angle));
       double far = 4.0 / along.x();
       for (const Disc& d : things) {
@@ -91,11 +93,37 @@ TEST(MoverTracker, WhoWalksLeavesNoTrailAndIsPredicted) {
     EXPECT_LT((mover->at(1.0) - in_a_second).norm(), mover->reach(1.0));
   }
   EXPECT_EQ(hall.occupied({2.0, 0.0}, 1.7), 0);
-  // Gone: it is predicted for a while, then forgotten.
   hall.scan({});
-  EXPECT_TRUE(hall.one());
-  for (int n = 0; n < 11; ++n) hall.scan({});
-  EXPECT_EQ(hall.tracker_.movers(hall.now()), nullptr);
+  EXPECT_EQ(hall.tracker_.movers(hall.now()), nullptr) << "a ray passes through";
+}
+
+TEST(MoverTracker, WhoIsNotSeenAnyMoreHasNotGone) {
+  MoverTrackerOptions options;
+  options.keep = 5.0;
+  constexpr double kElsewhere = 0.9;  // [rad]: where they are not looked for
+  for (const bool stops : {true, false}) {
+    Hall hall(options);
+    Eigen::Vector2d at(2.0, -1.5);
+    for (int n = 0; n < 15; ++n, at.y() += 0.1) hall.scan({{at, 0.2}});
+    for (int n = 0; stops && n < 12; ++n) hall.scan({{at, 0.2}});
+    for (int n = 0; n < 19; ++n) {
+      hall.scan({}, 0.0, kElsewhere);
+      const auto mover = hall.one();
+      ASSERT_TRUE(mover) << "out of view, at " << n;
+      const Eigen::Vector2d expected = stops ? at : at + Eigen::Vector2d(0.0, 0.1 * n);
+      EXPECT_LT((mover->position - expected).norm(), 0.5) << n;
+    }
+    for (int n = 0; n < 3; ++n) hall.scan({}, 0.0, kElsewhere);
+    EXPECT_EQ(hall.one().has_value(), stops) << "who walks may be anywhere by now";
+    if (!stops) continue;
+    for (int n = 0; n < 26; ++n) hall.scan({}, 0.0, kElsewhere);
+    EXPECT_TRUE(hall.one());
+    hall.scan({{at, 0.2}});
+    ASSERT_TRUE(hall.one()) << "seen again";
+    hall.scan({});
+    EXPECT_FALSE(hall.one()) << "a ray passes through";
+    EXPECT_EQ(hall.occupied({2.0, 0.0}, 1.7), 0);
+  }
 }
 
 TEST(MoverTracker, WhatStandsIsOfTheBuildingUntilItGoes) {
