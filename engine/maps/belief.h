@@ -8,6 +8,7 @@
 #include "engine/maps/ground_map.h"
 #include "engine/maps/landmark_map.h"
 #include "engine/maps/localization.h"
+#include "engine/maps/movers.h"
 #include "engine/maps/voxel_grid.h"
 #include "models/types.h"
 
@@ -69,6 +70,9 @@ struct Belief {
   std::shared_ptr<const VoxelGrid> voxels;
   std::shared_ptr<const GroundMap> ground;
   std::shared_ptr<const LandmarkMap> landmarks;
+
+  /// What moves by itself, which the maps leave out; null: nothing is known to.
+  std::shared_ptr<const Movers> movers{};
 
   /// Where W lies in the map's frame, as corrected so far (correction.h). Null: they are the same,
   /// and nobody says otherwise.

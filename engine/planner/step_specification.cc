@@ -49,6 +49,28 @@ void specify_robot_and_horizon(const StepContext& c, ProblemSpecification& s) {
   s.ground = c.belief.ground;
 }
 
+/// Movers that the robot can meet within the horizon, the nearest first.
+std::vector<Mover> movers_in_reach(const StepContext& c, double d_des) {
+  constexpr std::size_t kMost = 8;  // each costs an evaluation what a body's clearance does
+  std::vector<Mover> near;
+  if (c.belief.movers == nullptr) return near;
+  const double horizon = c.parameters.N * c.parameters.dt;
+  const double since = std::max(0.0, c.belief.stamp - c.belief.movers->stamp);
+  const Eigen::Vector2d here = c.belief.pose.position.head<2>();
+  for (const Mover& mover : c.belief.movers->all) {
+    if (!mover.sound()) continue;  // such a belief gets no certificate
+    const Mover now = mover.after(since);
+    const double meets = reach(c) + circumscribed_radius(c.robot.shape) + d_des +
+                         now.velocity.norm() * horizon + now.reach(horizon);
+    if ((now.position - here).norm() < meets) near.push_back(now);
+  }
+  std::stable_sort(near.begin(), near.end(), [&](const Mover& a, const Mover& b) {
+    return (a.position - here).norm() - a.radius < (b.position - here).norm() - b.radius;
+  });
+  if (near.size() > kMost) near.resize(kMost);
+  return near;
+}
+
 void specify_obstacles(const StepContext& c, ProblemSpecification& s) {
   const PlannerParameters& p = c.parameters;
   const MotionModel& model = *c.robot.model;
@@ -68,6 +90,7 @@ void specify_obstacles(const StepContext& c, ProblemSpecification& s) {
                                                         radius + p.d_des + p.drift_margin));
   s.d_safe = p.d_safe + drifted;
   s.d_des = p.d_des + drifted;
+  s.movers = movers_in_reach(c, s.d_des);
   s.clearance.d_safe = rules.hard_clearance ? p.d_safe : 0.0;
   s.clearance.floor = std::min(s.clearance.floor, s.clearance.d_safe);
   s.unknown = p.unknown;

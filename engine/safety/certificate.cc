@@ -23,7 +23,9 @@
 
 #include "engine/maps/correction.h"
 #include "engine/maps/floor_state.h"
+#include "engine/maps/heading_fit.h"
 #include "engine/maps/map_projection.h"
+#include "engine/maps/movers.h"
 #include "engine/maps/pose_error.h"
 #include "engine/maps/present_view.h"
 #include "engine/maps/shape_geometry.h"
@@ -37,6 +39,7 @@ namespace prospect {
 namespace {
 
 constexpr double kReducedTolerance = 1e-4;  // [m]
+constexpr double kPoint = 1e-4;             // [m]: side of the square that stands for a point
 constexpr double kUnmoved = 1e-6;           // [m]: a robot that turns on the spot
 constexpr double kSpeedTolerance = 1e-4;    // [m/s] above a slow zone's limit
 
@@ -124,8 +127,9 @@ struct Certifier::Body {
   };
   RobotShape shape;
   std::vector<Part> exact;
-  std::vector<Shell> shells;  // by drift; the first is for all columns
-  BodyOutline outline;        // on the ground
+  std::vector<Shell> shells;        // by drift; the first is for all columns
+  BodyOutline outline;              // on the ground
+  std::vector<OutlinePart> ground;  // the same
   double circumscribed = 0.0;
   double middle = 0.0;  // height of the body's middle in B
 
@@ -681,6 +685,7 @@ Certifier::Certifier(const RobotShape& shape, Options options) : options_(option
     body->shells.push_back({margin, drift, Body::parts(shape, margin)});
   }
   body->outline = body_outline(shape);
+  body->ground = ground_outline(shape);
   body->circumscribed = circumscribed_radius(shape);
   const VerticalExtent extent = vertical_extent(shape);
   body->middle = 0.5 * (extent.z_min + extent.z_max);
@@ -710,6 +715,10 @@ class Certifier::Check {
         sub_(model.nx()) {
     closing_ = {options_.unknown, drift, options_.drift_limit};
     closing_.octree = belief.octree.get();
+    if (belief.movers) {
+      const double since = std::max(0.0, belief.stamp - belief.movers->stamp);
+      for (const Mover& mover : belief.movers->all) movers_.push_back(mover.after(since));
+    }
     if (planar_ && options_.seen_floor) {
       const HeightSlice slice{options_.slice.z_min, options_.slice.z_max, {}, options_.step};
       closing_.floor = slice_layers(slice, belief.voxels->resolution()).floor;
@@ -729,6 +738,9 @@ class Certifier::Check {
   /// The place where the motion begins, and what is tolerated there. Returns result().ok().
   bool begin(const Pose& pose) {
     checked_ = pose;
+    for (const Mover& mover : movers_) {
+      if (!mover.sound()) return ends(0.0, "what is told of somebody who moves is not finite");
+    }
     walk_.emplace(*scene_, body_.exact, pose, closing_.views);
     double margin = margin_at(pose);
     walk_->tolerate_closed(pose);
@@ -845,6 +857,27 @@ class Certifier::Check {
     return zone_walk_->margin();
   }
 
+  /// From the body's outline to a place on the ground [m].
+  double outline_gap(const Pose& pose, const Eigen::Vector2d& place) const {
+    return outline_distance(body_.ground, pose.position.head<2>(), pose.yaw,
+                            place.array() - 0.5 * kPoint, kPoint);
+  }
+
+  /// Whether the body, coming from checked_, gets nearer to where somebody may be by then.
+  bool closes_in_on_a_mover(const Pose& pose, double time) {
+    for (const Mover& mover : movers_) {
+      budget_.spend(kSideCost);
+      const Eigen::Vector2d place = mover.at(time);
+      const double far = mover.reach(time) + options_.margin;
+      // Cheap, for who is far away.
+      if ((pose.position.head<2>() - place).norm() > far + body_.circumscribed) continue;
+      budget_.spend(8 * kSideCost * static_cast<long long>(body_.ground.size()));
+      const double gap = outline_gap(pose, place);
+      if (gap < far && gap < outline_gap(checked_, place) - kUnmoved) return true;
+    }
+    return false;
+  }
+
   bool passes(const Pose& pose, double time) {
     ++result_.poses;
     budget_.spend(kPoseCost);
@@ -861,6 +894,10 @@ class Certifier::Check {
     } else if (result_.status == Status::kOutOfView) {
       result_.detail =
           unbounded_ + ", and the body would leave what is in view " + at_time(time, pose);
+    }
+    if (result_.ok() && closes_in_on_a_mover(pose, time)) {
+      result_.status = Status::kCollision;
+      result_.detail = "the body would drive into where somebody may be " + at_time(time, pose);
     }
     if (!result_.ok() || !zone_walk_) return result_.ok();
     budget_.spend(zone_cost_);
@@ -920,6 +957,7 @@ class Certifier::Check {
   std::optional<Scene> scene_;
   std::optional<Walk> walk_;
   std::list<std::vector<Part>> reduced_;  // bodies of a robot that starts within a margin
+  std::vector<Mover> movers_;             // as from the motion's start
   std::optional<ZoneWalk> zone_walk_;
   long long zone_cost_ = 0;  // of a step
   double spacing_ = 0.0;     // [m]

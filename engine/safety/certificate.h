@@ -95,6 +95,13 @@ Eigen::MatrixXd stopping_tail(const MotionModel& model, const Eigen::Ref<const E
 /// its shape, obstacles permitting: that is how it looks about. No margin is applied, as for the
 /// unknown.
 ///
+/// What moves by itself (Belief::movers, movers.h). With gap(t) the signed distance, on the ground,
+/// from the body at time t of the motion to the centre of a mover predicted for then, less its
+/// reach: where gap < margin, the body may not come nearer to that place than it was at the pose
+/// before. So a robot never drives into where somebody may be, may go out of somebody's way, and
+/// may stand: it does not answer for who walks into it. Of bases that move in 3-D, too, at all
+/// heights.
+///
 /// Zones (zone_map.h), in the map's frame (Belief::map_frame): the grown body may enter no
 /// forbidden part, by the rule for obstacles; where B's origin is in a slow zone, or within half
 /// the spacing of the poses of one, the linear speed may not exceed its limit (by more than 0.1

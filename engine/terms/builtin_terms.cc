@@ -75,7 +75,8 @@ const std::vector<BuiltinTerm>& table() {
            }),
       cost("obstacles", "w_o", &Weights::obstacles, "closeness to obstacles, from FCL distances",
            [](const Specification& s, const Evaluators& e) -> Made {
-             return std::make_shared<ObstacleCost>(e.body, s.d_safe, s.d_des);
+             return std::make_shared<ObstacleCost>(e.body, s.d_safe, s.d_des, s.movers,
+                                                   circumscribed_radius(s.robot.shape));
            }),
       cost("visible_features", "w_l", &Weights::visible_features,
            "too few features predicted in view (count or information); with w_c also "

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include "engine/maps/body_clearance.h"
+#include "engine/maps/movers.h"
 #include "engine/problem/term.h"
 
 namespace prospect {
@@ -17,16 +19,25 @@ namespace prospect {
 /// half-way along the arc by at most |acceleration| dt^2 / 8, 5 mm at 0.6 m/s, 1 rad/s and 0.25 s).
 /// phi is flat deep inside obstacles; there the ClearanceConstraint carries the gradient.
 ///
-/// Residuals: sqrt(phi / N), phi = 1 / (1 + exp(2 alpha (d - beta))), of mid-point k+1/2 in row 2k
-/// and of node k+1 in row 2k+1; smooth, as phi does not vanish.
+/// With movers i (movers.h), which are obstacles where they are predicted for that node's time t,
+/// the whole is that of being near any of them,
+///   phi = 1 - (1 - phi(d)) product_i (1 - phi(d_i)),
+///   d_i = |(x, y) - at_i(t)| - reach_i(t) - R,      R the body's circumscribed radius,
+/// t = k dt of x_k. No constraint knows of them: the certificate does, and lets nobody wait for
+/// ever.
 ///
-/// Smoothness: C1. Thread-safety: const.
+/// Residuals: sqrt(phi / N), phi(d) = 1 / (1 + exp(2 alpha (d - beta))), of mid-point k+1/2 in row
+/// 2k and of node k+1 in row 2k+1; smooth, as phi does not vanish.
+///
+/// Smoothness: C1, but where (x, y) = at_i(t). Thread-safety: const.
 /// Source: formulation, section 5.
 class ObstacleCost final : public Term {
  public:
   /// 0 <= d_safe < d_des [m]; throws std::invalid_argument otherwise, or if the clearance saturates
   /// below d_des (no pose could be free of cost).
-  ObstacleCost(std::shared_ptr<const BodyClearance> clearance, double d_safe, double d_des);
+  /// movers: at the time of x_0; radius: R [m].
+  ObstacleCost(std::shared_ptr<const BodyClearance> clearance, double d_safe, double d_des,
+               std::vector<Mover> movers = {}, double radius = 0.0);
 
   std::string_view name() const override { return "obstacles"; }
   TermTraits traits() const override;
@@ -35,7 +46,12 @@ class ObstacleCost final : public Term {
                 TermScratch* scratch, TermOutput& out) const override;
 
  private:
+  /// phi at a pose and a time [s], and its derivatives by (x, y, z, yaw) where asked for.
+  double phi_among_movers(const Pose& pose, double time, Eigen::Vector4d* slope) const;
+
   std::shared_ptr<const BodyClearance> clearance_;
+  std::vector<Mover> movers_;
+  double radius_ = 0.0;
   double alpha_ = 0.0;
   double beta_ = 0.0;
 };

@@ -14,6 +14,7 @@
 #include "engine/maps/clearance_field.h"
 #include "engine/maps/ground_map.h"
 #include "engine/maps/landmark_map.h"
+#include "engine/maps/movers.h"
 #include "engine/maps/unknown_policy.h"
 #include "engine/maps/voxel_grid.h"
 #include "engine/problem/problem.h"
@@ -65,6 +66,7 @@ struct ProblemSpecification {
   ClearanceConstraint::Options clearance;  ///< of the hard constraint
   UnknownPolicy unknown = UnknownPolicy::kBraking;
   double unknown_d_safe = 0.01;  ///< of the constraint that `unknown` asks for [m]
+  std::vector<Mover> movers{};   ///< of the soft cost, as at the time of x0
   /// Forbidden parts are obstacles to both fields; null: none.
   std::shared_ptr<const ZoneMap> zones{};
 

@@ -40,10 +40,11 @@ std::string_view to_string(Mapping state) {
 }
 
 DepthMapper::DepthMapper(const PinholeCamera& camera, const DepthMapperOptions& options,
-                         std::shared_ptr<OccupancyMapper> map)
+                         std::shared_ptr<OccupancyMapper> map, std::shared_ptr<MoverTracker> movers)
     : camera_(camera),
       options_(options),
       map_(map ? std::move(map) : std::make_shared<OccupancyMapper>(options.map)),
+      movers_(std::move(movers)),
       poses_({options.max_speed, options.max_turn_rate, kFarthestVoxel * options.map.resolution}) {
   validate(camera);
   check_parameter(options.range.min > 0.0 && options.range.max > options.range.min &&
@@ -276,6 +277,7 @@ MappedFrame DepthMapper::process(double stamp, const DepthImage& image,
     return reject("too much lies below the floor");
   }
   poses_.accept(stamp, T_WC);
+  if (movers_) movers_->look(stamp, *map_->ground(), map_->options().slice, scan);
   map_->insert(scan);
   out.times.insert = clock.lap();
   return out;

@@ -12,6 +12,7 @@
 #include "models/camera.h"
 #include "perception/mapping/depth_image.h"
 #include "perception/mapping/ground_plane.h"
+#include "perception/mapping/mover_tracker.h"
 #include "perception/mapping/occupancy_mapper.h"
 #include "perception/mapping/pose_check.h"
 #include "perception/mapping/repeated_content.h"
@@ -118,9 +119,10 @@ struct MappedFrame {
 class DepthMapper {
  public:
   /// `map`: the map that is extended, one that other mappers extend, too; null: one of its own, by
-  /// options.map.
+  /// options.map. `movers`: what scans show of them is followed there; null: nobody moves.
   explicit DepthMapper(const PinholeCamera& camera, const DepthMapperOptions& options = {},
-                       std::shared_ptr<OccupancyMapper> map = nullptr);
+                       std::shared_ptr<OccupancyMapper> map = nullptr,
+                       std::shared_ptr<MoverTracker> movers = nullptr);
 
   /// `pose`: what the odometry says of T_WC. `motion`: landmarks in W where they were at the time;
   /// null: nothing moves.
@@ -147,6 +149,7 @@ class DepthMapper {
   PinholeCamera camera_;
   DepthMapperOptions options_;
   std::shared_ptr<OccupancyMapper> map_;
+  std::shared_ptr<MoverTracker> movers_;
   int stride_ = 1;
   DepthImage last_image_;  // as received
   RepeatedContent repeated_;

@@ -20,9 +20,11 @@ constexpr double kJustBelow = 1e-6;  // [m]
 
 }  // namespace
 
-ScanMapper::ScanMapper(const ScanMapperOptions& options, std::shared_ptr<OccupancyMapper> map)
+ScanMapper::ScanMapper(const ScanMapperOptions& options, std::shared_ptr<OccupancyMapper> map,
+                       std::shared_ptr<MoverTracker> movers)
     : options_(options),
       map_(map ? std::move(map) : std::make_shared<OccupancyMapper>(options.map)),
+      movers_(std::move(movers)),
       poses_({options.max_speed, options.max_turn_rate, kFarthestVoxel * options.map.resolution}) {
   check_knobs("scan mapper", options);
 }
@@ -113,6 +115,7 @@ MappedFrame ScanMapper::process(double stamp, const DepthScan& scan_S,
   out.state = Mapping::kOk;
   out.T_WC = T_WS;
   poses_.accept(stamp, T_WS);
+  if (movers_) movers_->look(stamp, *map_->ground(), map_->options().slice, scan);
   map_->insert(scan);
   out.times.insert = clock.lap();
   return out;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "perception/mapping/depth_mapper.h"
+#include "perception/mapping/mover_tracker.h"
 #include "perception/mapping/occupancy_mapper.h"
 #include "perception/mapping/pose_check.h"
 #include "perception/mapping/repeated_content.h"
@@ -49,9 +50,10 @@ void describe(Knobs& knobs, ScanMapperOptions& options);
 /// scans, same bits, but for `times`.
 class ScanMapper {
  public:
-  /// `map`: as DepthMapper's.
+  /// `map`, `movers`: as DepthMapper's.
   explicit ScanMapper(const ScanMapperOptions& options = {},
-                      std::shared_ptr<OccupancyMapper> map = nullptr);
+                      std::shared_ptr<OccupancyMapper> map = nullptr,
+                      std::shared_ptr<MoverTracker> movers = nullptr);
 
   /// A scan in the lidar's frame S, its rays from S's origin (scan_S.origin is not looked at), and
   /// S's pose. No ground is found in it; MappedFrame::valid is 1.
@@ -67,6 +69,7 @@ class ScanMapper {
 
   ScanMapperOptions options_;
   std::shared_ptr<OccupancyMapper> map_;
+  std::shared_ptr<MoverTracker> movers_;
   PoseCheck poses_;
   std::vector<Eigen::Vector3d> last_hits_;  // as received
   RepeatedContent repeated_;

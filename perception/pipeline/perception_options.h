@@ -10,6 +10,7 @@
 #include "perception/fusion/inertial_witness.h"
 #include "perception/fusion/wheel_fusion.h"
 #include "perception/mapping/depth_mapper.h"
+#include "perception/mapping/mover_tracker.h"
 #include "perception/mapping/occupancy_mapper.h"
 #include "perception/mapping/scan_mapper.h"
 #include "perception/odometry/stereo_odometry_options.h"
@@ -37,6 +38,7 @@ struct PerceptionOptions {
   OccupancyMapperOptions mapping;    ///< of the one map
   DepthMapperOptions depth_mapping;  ///< how depth images enter it; its `map` is not used
   ScanMapperOptions scan_mapping;    ///< how scans do; its `map` is not used
+  MoverTrackerOptions movers;        ///< how what moves is told from the building
   /// Wheels measure the motion. Without them poses are those of the odometry, held while it is
   /// lost.
   bool wheels = true;

@@ -15,6 +15,7 @@ void describe(Knobs& knobs, PerceptionOptions& o) {
   knobs.group("mapping", [&] { describe(knobs, o.mapping); });
   knobs.group("depth_mapping", [&] { describe(knobs, o.depth_mapping); });
   knobs.group("scan_mapping", [&] { describe(knobs, o.scan_mapping); });
+  knobs.group("movers", [&] { describe(knobs, o.movers); });
   knobs.group("feature_density", [&] { describe(knobs, o.feature_density); });
   knobs.boolean("loops", o.loops, "places that are seen again keep the map straight");
   knobs.number("same_time", o.same_time, {0.0, 1.0}, "s",

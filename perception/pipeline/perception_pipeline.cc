@@ -130,6 +130,7 @@ PerceptionPipeline::PerceptionPipeline(std::unique_ptr<Odometry> odometry,
       fusion_(fusion_of(options)),
       inertial_(options.inertial),
       map_(std::make_shared<OccupancyMapper>(options.mapping)),
+      movers_(std::make_shared<MoverTracker>(options.movers)),
       builder_(options.stereo_mount.T_BC),
       density_(options.feature_density),
       log_(options.max_age, options.max_leap),
@@ -146,8 +147,9 @@ PerceptionPipeline::PerceptionPipeline(std::unique_ptr<Odometry> odometry,
   if (options.depth_camera) options_.more_depth_cameras.emplace(0, *options.depth_camera);
   for (const auto& [sensor, on_body] : options_.more_depth_cameras) {
     validate(on_body.mount);
-    mappers_.emplace(std::piecewise_construct, std::forward_as_tuple(sensor),
-                     std::forward_as_tuple(on_body.camera, depths_of(options, on_body), map_));
+    mappers_.emplace(
+        std::piecewise_construct, std::forward_as_tuple(sensor),
+        std::forward_as_tuple(on_body.camera, depths_of(options, on_body), map_, movers_));
   }
   frame_.T_WC = start_pose(options);
 }
@@ -405,7 +407,7 @@ MappedFrame PerceptionPipeline::enter_scan(const Waiting& input, const BodyPose&
   scan_S.origin.setZero();
   for (Eigen::Vector3d& p : scan_S.hits) p -= origin;
   for (Eigen::Vector3d& p : scan_S.misses) p -= origin;
-  return scan_mappers_.try_emplace(input.sensor, scans_of(options_), map_)
+  return scan_mappers_.try_emplace(input.sensor, scans_of(options_), map_, movers_)
       .first->second.process(input.stamp, scan_S, body.T_WB * Eigen::Translation3d(origin),
                              body.state);
 }
@@ -624,6 +626,7 @@ std::shared_ptr<const Belief> PerceptionPipeline::belief(double stamp) {
     belief = builder_.build(newest.stamp, body(stamp), newest.covariance, map().snapshot());
   }
   if (!options_.start_in_space) belief.pose.position.z() = options_.start.position.z();
+  belief.movers = movers_->movers(belief.stamp);
   belief.map_frame = corrections_.frame();
   if (straight_) {
     const Eigen::Vector3i planar(0, 1, 3);

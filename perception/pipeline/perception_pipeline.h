@@ -23,6 +23,7 @@
 #include "perception/fusion/visual_motion.h"
 #include "perception/fusion/wheel_fusion.h"
 #include "perception/mapping/depth_mapper.h"
+#include "perception/mapping/mover_tracker.h"
 #include "perception/mapping/scan_mapper.h"
 #include "perception/odometry/motion_noise.h"
 #include "perception/odometry/stereo_odometry.h"
@@ -119,8 +120,9 @@ struct ExternalPose {
 /// first depth camera.
 /// Where the pose of its time is degraded or lost neither does, as what a wrong pose enters is not
 /// taken out again. What the odometry found to move is no obstacle in the map: rays of depth images
-/// clear up to it (moving_surface.h). Without either nothing is mapped: map_state() says so, and
-/// the belief's maps hold what map() was given.
+/// clear up to it (moving_surface.h). So do rays that meet what has come since (mover_tracker.h);
+/// that is Belief::movers. Without either nothing is mapped: map_state() says so, and the belief's
+/// maps hold what map() was given.
 ///
 /// Sensors against each other. Depths of the stereo pair are compared with those of the depth
 /// camera where both look at the same time (depth_agreement.h), lengths by vision with those by
@@ -260,6 +262,7 @@ class PerceptionPipeline {
   InertialWitness inertial_;
   InertialWitness::Twist6 imu_doubt_at_keyframe_ = InertialWitness::Twist6::Zero();
   std::shared_ptr<OccupancyMapper> map_;
+  std::shared_ptr<MoverTracker> movers_;
   std::unique_ptr<StraightMap> straight_;   // null: the map is as it was drawn
   bool lost_since_entry_ = false;           // in the map
   std::map<int, DepthMapper> mappers_;      // of each depth camera

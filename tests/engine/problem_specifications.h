@@ -23,13 +23,15 @@ inline NamedSpecification specification_of(const std::string& name, std::string_
                                            const PlannerParameters& parameters, int landmarks = 120,
                                            Localization localization = Localization::kOk,
                                            const RobotShape& shape = CylinderShape{},
-                                           const std::vector<DepthSensor>& more_depth = {}) {
+                                           const std::vector<DepthSensor>& more_depth = {},
+                                           const std::vector<Mover>& movers = {}) {
   PlanningScene scene(model, parameters, landmarks);
   RobotDescription robot = scene.planner->robot();
   robot.shape = shape;
   robot.more_depth = more_depth;
   Planner planner(robot, parameters, std::make_shared<IdleSolver>());
   Belief belief = scene.belief;
+  if (!movers.empty()) belief.movers = std::make_shared<const Movers>(Movers{0.0, movers});
   for (int step = 0; step < 3; ++step) {
     belief.stamp = 0.5 * step;
     belief.pose.position.x() = 0.07 * step;
@@ -89,6 +91,9 @@ inline std::vector<NamedSpecification> specifications_of_every_kind() {
       "two depth sensors", [](auto&) {}, 120, Localization::kOk, CylinderShape{},
       std::vector<DepthSensor>{{RgbdFootprint{2.0 * M_PI, 0.0, 0.1, 6.0},
                                 {CameraMount::forward_facing({-0.1, 0.0, 0.3}, M_PI)}}});
+  with(
+      "movers", [](auto&) {}, 120, Localization::kOk, CylinderShape{}, std::vector<DepthSensor>{},
+      std::vector<Mover>{{{0.9, 0.2}, {-0.3, 0.4}, 0.3, 0.2}, {{0.5, -0.8}, {0, 0}, 0.2, 0.3}});
   return all;
 }
 

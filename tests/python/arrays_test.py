@@ -116,6 +116,7 @@ ARGUMENTS = {
     "Belief.__init__ covariance": (lambda a: belief(covariance=a), 1e-4 * np.eye(4), FINITE),
     "Belief.__init__ velocity": (lambda a: belief(velocity=a), [0.1, 0, 0, 0], FINITE),
     "Belief.__init__ command": (lambda a: belief(command=a), [0.1, 0, 0, 0], FINITE),
+    "Belief.__init__ movers": (lambda a: belief(movers=a), [[1.0, 2.0, 0.5, 0.1, 0.3, 0.2]], FINITE),
     "Belief.__init__ map_frame": (lambda a: belief(map_frame=a), [1.0, 2.0, 0.5], FINITE),
     "Planner.set_task goal": (lambda a: planner()[0].set_task("go", a), [1.5, 1.2], FINITE),
     "Planner.check previous": (check, np.zeros(4), ANY),

@@ -85,6 +85,18 @@ class PlannerTest(unittest.TestCase):
         r = prospect.solve(read, "nlopt:LD_SLSQP", max_evaluations=60)
         self.assertLessEqual(r.cost, problem.cost(z))
 
+    def test_it_drives_into_nobody(self):
+        planner = prospect.Planner(self.configuration)
+        planner.set_task("go", (3.0, 3.4))
+        alone = planner.plan(belief(self.maps))
+        ahead = [[3.0, 1.95, 0.0, -0.3, 0.2, 0.1]]
+        self.assertGreater(alone.commands[0][0], 0.0)
+        refused = self.planner.check(alone, 0, np.zeros(4), belief(self.maps, movers=ahead), 0.0)
+        self.assertFalse(refused["passed"])
+        self.assertIn("somebody", refused["detail"])
+        with self.assertRaisesRegex(ValueError, "movers: row 0"):
+            belief(self.maps, movers=[[0.0, 0.0, 0.0, 0.0, -1.0, 0.0]])
+
     def test_it_goes_where_it_is_told(self):
         planner = prospect.Planner(self.configuration)
         planner.set_task("go", (4.0, 2.5))

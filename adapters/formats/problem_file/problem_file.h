@@ -33,7 +33,7 @@ struct SavedProblem {
 
 /// The version that is written; all up to it are read. docs/reference/problem_files.md describes
 /// them.
-constexpr int kProblemFileVersion = 6;
+constexpr int kProblemFileVersion = 7;
 
 /// Writes a problem file (HDF5): to `path`.part, then renamed, so that `path` is never half
 /// written. Maps are cut down to what the problem looks at (with_maps_cut); terms that are not

@@ -25,10 +25,12 @@ constexpr std::size_t kMostSeeds = 100'000;
 constexpr std::size_t kMostCorners = 1000;  // of a zone
 constexpr int kMostZones = 1000;            // of a kind
 constexpr std::size_t kMostTerms = 1000;
+constexpr std::size_t kMostMovers = 1000;
 constexpr int kVersionWithoutZones = 2;
 constexpr int kVersionWithoutAddedTerms = 3;
 constexpr int kVersionWithoutScale = 4;
 constexpr int kVersionWithoutMoreDepth = 5;
+constexpr int kVersionWithoutMovers = 6;
 constexpr double kMostTableEntries = 50e6;
 constexpr double kMostRaySteps = 5e9;
 constexpr int kMostStages = 1000;
@@ -463,6 +465,21 @@ void zones(Archive& a, ProblemSpecification& r) {
   });
 }
 
+void movers(Archive& a, std::vector<Mover>& list) {
+  a.group("movers", [&] {
+    resize(a, "position", list, {2}, kMostMovers);
+    table<double>(a, "position", list, {2},
+                  [](Mover& m, std::size_t j) -> double& { return m.position[index(j)]; });
+    table<double>(a, "velocity", list, {2},
+                  [](Mover& m, std::size_t j) -> double& { return m.velocity[index(j)]; });
+    table<double>(a, "radius", list, {}, [](Mover& m, std::size_t) -> double& { return m.radius; });
+    table<double>(a, "spread", list, {}, [](Mover& m, std::size_t) -> double& { return m.spread; });
+    for (const Mover& m : list) {
+      if (!m.sound()) a.refuse("radius", "or spread is negative or above 1e6", "0 to 1e6");
+    }
+  });
+}
+
 /// A term that is not built in: its name, version of options and options, by which a reader with
 /// the same entry makes it again.
 void added_term(Archive& a, const TermRegistry& registry, TermUse& use) {
@@ -596,7 +613,8 @@ void transfer_problem(Archive& a, SavedProblem& problem, const TermRegistry& reg
   }
   // The least that says it all: who knows no zones may read what has none.
   const ProblemSpecification& s = problem.specification;
-  int version = !s.robot.more_depth.empty()                           ? kProblemFileVersion
+  int version = !s.movers.empty()                                     ? kProblemFileVersion
+                : !s.robot.more_depth.empty()                         ? kVersionWithoutMovers
                 : s.visibility.odometry.scale > 0.0                   ? kVersionWithoutMoreDepth
                 : !s.added_terms.empty() || !s.terms_left_out.empty() ? kVersionWithoutScale
                 : s.zones                                             ? kVersionWithoutAddedTerms
@@ -612,6 +630,7 @@ void transfer_problem(Archive& a, SavedProblem& problem, const TermRegistry& reg
   horizon(a, r);
   map(a, r);
   if (version > kVersionWithoutZones) zones(a, r);
+  if (version > kVersionWithoutMovers) movers(a, r.movers);
   terms(a, version, registry, r);
   seeds(a, problem);
   warm_start(a, problem);

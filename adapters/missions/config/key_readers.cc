@@ -139,6 +139,8 @@ constexpr std::array kRows = {
     KeyRow{"perception.scan_mapping",
            [](const KeyReader& r) { return (real(r) && r.scans) || r.use == Use::kMapScans; },
            "of a lidar; expected a robot behind topics or a recording with one"},
+    KeyRow{"perception.movers", [](const KeyReader& r) { return mission(r) || map(r); },
+           "no map is made; expected it with prospect map"},
     KeyRow{"perception.feature_density", mission, "of missions; expected it in one"},
     KeyRow{"perception.loops", mission, "of missions; expected it in one"},
     KeyRow{"perception.start_floor", mission, "of missions; expected it in one"},

@@ -101,7 +101,7 @@ MapChanges changes_of(const GroundMap* before, const GroundMap& now) {
   return changes;
 }
 
-constexpr std::size_t kOfMove = 6;  // numbers
+constexpr std::size_t kOfMove = 6, kOfMover = 6;  // numbers
 
 /// Those of corrections since that one; false: none.
 bool add_moves(PlannerCall& call, const MapFrame& frame, int since) {
@@ -283,6 +283,13 @@ PlannerCall PlannerCallWriter::belief_call(PlannerCall::Kind kind, const Belief&
   call.localization = static_cast<std::uint8_t>(b.localization);
   call.source = static_cast<std::uint8_t>(b.localization_source);
   call.tracked = b.tracked_features;
+  if (b.movers) {
+    call.area.push_back(b.movers->stamp);
+    for (const Mover& m : b.movers->all) {
+      call.area.insert(call.area.end(), {m.position.x(), m.position.y(), m.velocity.x(),
+                                         m.velocity.y(), m.radius, m.spread});
+    }
+  }
   if (b.voxels) {
     call.voxels = changes_of(voxels_.get(), *b.voxels);
     voxels_ = b.voxels;
@@ -338,6 +345,16 @@ Belief PlannerCallReader::belief(const PlannerCall& call, const std::string& sai
   b.localization_source = static_cast<LocalizationSource>(call.source);
   b.tracked_features = call.tracked;
   b.map_frame = map_frame_;
+  if (!call.area.empty()) {
+    if (call.area.size() % kOfMover != 1) damaged(said, "movers that are cut off");
+    auto movers = std::make_shared<Movers>();
+    movers->stamp = call.area[0];
+    for (std::size_t n = 1; n < call.area.size(); n += kOfMover) {
+      const double* m = &call.area[n];
+      movers->all.push_back({{m[0], m[1]}, {m[2], m[3]}, m[4], m[5]});
+    }
+    b.movers = std::move(movers);
+  }
 
   if (call.voxels.changed) {
     if (!voxels_ && !call.voxels.whole) damaged(said, "changes of no voxels");

@@ -74,9 +74,10 @@ struct PlannerCall {
   // kTask
   std::uint8_t task = 0;
   bool has_area = false;
-  /// x, y of each corner. Of kMapFrame: how places have moved in W, for each correction that moved
-  /// some (place_moves.h): how many are known, then x, y, the move's x, y, yaw, and the variance of
-  /// each.
+  /// x, y of each corner. Of kPrepare and kPlan: the stamp of the movers, if any are known, then x,
+  /// y, the velocity's x, y, radius and spread of each. Of kMapFrame: how places have moved in W,
+  /// for each correction that moved some (place_moves.h): how many are known, then x, y, the move's
+  /// x, y, yaw, and the variance of each.
   std::vector<double> area;
   std::array<double, 5> goal{};  ///< x, y, yaw, tolerances of both
   bool has_goal_yaw = false;

@@ -222,13 +222,29 @@ Numbers positions_of(const std::vector<Landmark>& landmarks) {
   return array;
 }
 
+std::shared_ptr<const Movers> movers_of(const ArrayLike& rows, double stamp) {
+  const Eigen::MatrixXd columns = transposed(rows, -1, 6, "movers");
+  auto known = std::make_shared<Movers>();
+  known->stamp = stamp;
+  for (Eigen::Index n = 0; n < columns.cols(); ++n) {
+    const Eigen::VectorXd m = columns.col(n);
+    known->all.push_back({m.head<2>(), m.segment<2>(2), m[4], m[5]});
+    if (!known->all.back().sound()) {
+      throw std::invalid_argument("movers: row " + std::to_string(n) +
+                                  " is not finite, or its radius or spread is below 0");
+    }
+  }
+  return known;
+}
+
 std::shared_ptr<Belief> make_belief(const Maps& maps, const ArrayLike& pose, double stamp,
                                     const std::optional<ArrayLike>& covariance,
                                     const ArrayLike& velocity,
                                     const std::optional<ArrayLike>& command,
                                     const std::shared_ptr<LandmarkMap>& landmarks,
                                     const std::string& localization, int tracked_features,
-                                    const std::optional<ArrayLike>& map_frame) {
+                                    const std::optional<ArrayLike>& map_frame,
+                                    const std::optional<ArrayLike>& movers) {
   if (!std::isfinite(stamp)) {
     throw std::invalid_argument("stamp: is " + number_text(stamp) + "; expected seconds, finite");
   }
@@ -266,6 +282,7 @@ std::shared_ptr<Belief> make_belief(const Maps& maps, const ArrayLike& pose, dou
     frame->origin = {{origin[0], origin[1], 0.0}, origin[2]};
     b->map_frame = std::move(frame);
   }
+  if (movers) b->movers = movers_of(*movers, stamp);
   b->octree = maps.maps.octree;
   b->voxels = maps.maps.voxels;
   b->ground = maps.maps.ground;
@@ -462,13 +479,16 @@ void bind_belief(py::module_& m) {
            py::arg("velocity") = std::vector<double>(4, 0.0), py::arg("command") = py::none(),
            py::arg("landmarks") = py::none(), py::arg("localization") = "ok",
            py::arg("tracked_features") = 0, py::arg("map_frame") = py::none(),
+           py::arg("movers") = py::none(),
            "pose: (4,), x, y, z [m], yaw [rad]. stamp: [s], of all that is in it. covariance: "
            "(4, 4) of the pose's error [exact]. velocity, command: (4,), vx, vy, vz [m/s], yaw "
            "rate [rad/s], estimated and in force. landmarks: of a robot that is located by its "
            "cameras [none: it is located by something else]. localization: 'ok', 'degraded' or "
            "'lost'. tracked_features: in the newest image. map_frame: (3,), x, y [m], yaw [rad] of "
            "W in "
-           "the frame of goals and zones [the same]: another one corrects it.")
+           "the frame of goals and zones [the same]: another one corrects it. movers: (n, 6), x, y "
+           "[m], velocity x, y [m/s], radius [m] and by how much it grows [m/s] of each who moves "
+           "[nobody].")
       .def_readonly("stamp", &Belief::stamp, "[s]")
       .def_property_readonly(
           "map_frame",

@@ -41,6 +41,7 @@ FeatureSensors::FeatureSensors(const World& world, const SimulatorOptions& optio
                 stream_seed(options.seed, NoiseStream::kOdometry)),
       landmarks_(landmarks_of(options, perception), options.features, options.stereo_mount),
       mapper_(std::make_shared<OccupancyMapper>(perception.mapping)),
+      movers_(perception.movers),
       scan_stamps_(depth_.size(), 0.0) {
   const bool corrected =
       std::any_of(options.corrections.begin(), options.corrections.end(),
@@ -116,7 +117,9 @@ void FeatureSensors::enter(double stamp, const SensorFrame& ranges) {
   // A robot's ranges are as old as those of the sensor that is farthest behind.
   scan_stamps_[static_cast<std::size_t>(scan->sensor)] = stamp;
   scan_stamp_ = *std::min_element(scan_stamps_.begin(), scan_stamps_.end());
-  mapper_->insert(transform(*scan->in_B, *scan->pose));
+  DepthScan in_W = transform(*scan->in_B, *scan->pose);
+  movers_.look(stamp, *mapper_->ground(), mapper_->options().slice, in_W);
+  mapper_->insert(in_W);
 }
 
 void FeatureSensors::image(double stamp, const Pose& pose, const Twist&) {
@@ -189,6 +192,7 @@ std::shared_ptr<const Belief> FeatureSensors::belief(double stamp, const Pose& t
   belief->voxels = mapper_->voxels();
   belief->ground = mapper_->ground();
   belief->landmarks = landmarks_.map();
+  belief->movers = movers_.movers(stamp);
   belief->map_frame = corrections_.frame();
   return belief;
 }

@@ -16,6 +16,7 @@
 #include "adapters/robots/simulator/simulator_options.h"
 #include "engine/maps/correction.h"
 #include "models/robot_shape.h"
+#include "perception/mapping/mover_tracker.h"
 #include "perception/mapping/occupancy_mapper.h"
 #include "perception/pipeline/straight_map.h"
 
@@ -65,6 +66,7 @@ class FeatureSensors final : public SimulatedSensors {
   OdometryModel odometry_;
   LandmarkBuilder landmarks_;
   std::shared_ptr<OccupancyMapper> mapper_;
+  MoverTracker movers_;
   std::unique_ptr<StraightMap> straight_;  // null: the map is as it was drawn
   int before_loss_ = -1;                   // anchor; -1: not lost
   Corrections corrections_;

@@ -25,6 +25,7 @@
 #include "engine/support/stopwatch.h"
 #include "models/make_model.h"
 #include "tests/engine/known_rooms.h"
+#include "tests/engine/longest_piece.h"
 #include "tests/engine/planning_scene.h"
 
 namespace prospect::step_deadline_test {
@@ -35,6 +36,7 @@ double allowed(double asked) { return 1.5 * asked + 0.002; }
 
 using test::give_rooms;
 using test::landmarks_about;
+using test::longest_piece;
 
 /// A robot that drives as it is told.
 class StepDeadline : public ::testing::Test {
@@ -273,25 +275,6 @@ TEST_F(StepDeadline, OfTheLargestProblemThatIsAllowed) {
   begin_to_drive(1000);
   for (int n = 0; n < 10; ++n) EXPECT_EQ(step().fault, PlanFault::kNone);
   expect_in_time(kDeadline);
-}
-
-/// The share of its processor time that the longest piece of it takes, of two runs the less.
-double longest_piece(const std::function<void(const PausePoint&)>& work) {
-  double least = 1.0;
-  for (int run = 0; run < 2; ++run) {
-    Resumable resumable;
-    resumable.begin(work);
-    double longest = 0.0, total = 0.0;
-    for (bool done = false; !done;) {
-      ProcessorStopwatch watch(CLOCK_PROCESS_CPUTIME_ID);
-      done = resumable.run_until(Resumable::Clock::now() + std::chrono::microseconds(200));
-      const double took = watch.lap();
-      longest = std::max(longest, took);
-      total += took;
-    }
-    least = std::min(least, longest / total);
-  }
-  return least;
 }
 
 // One that is not usable had all that are copied at once; looking for unknown ground never paused;

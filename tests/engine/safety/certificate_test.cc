@@ -441,6 +441,88 @@ TEST(Certificate, GroundWhoseFloorWasNotSeenIsNotEnteredIfThatIsAskedFor) {
   EXPECT_TRUE(verdict(-1.5).ok());
 }
 
+/// What becomes of a drive of `n` stages at `speed` from the origin along x, and the stop after it,
+/// among people in a hall.
+Certificate among(const std::vector<Mover>& people, double speed, int n, double belief_stamp = 0.0,
+                  const RobotShape& shape = CylinderShape{{0.0, 0.0, 0.3}, 0.2, 0.4}) {
+  const Unicycle model;
+  Belief belief = ObstacleWorld(0.1, 6.0).belief();
+  auto known = std::make_shared<Movers>();
+  known->all = people;
+  belief.movers = known;
+  belief.stamp = belief_stamp;
+  return Certifier(shape, free_policy())
+      .certify(belief, model, Eigen::Vector3d::Zero(), Eigen::Vector2d(speed, 0.0),
+               constant(model, n, {speed, 0.0}), kDt);
+}
+
+TEST(Certificate, DrivesNowhereWhereSomebodyMayBeByThen) {
+  EXPECT_TRUE(among({}, 0.6, 8).ok());
+  // Somebody who stands 1 m ahead: as far as to them, with what they may have moved by then.
+  const Mover stands{{1.0, 0.0}, {0.0, 0.0}, 0.2, 0.1};
+  const Certificate into = among({stands}, 0.6, 8);
+  EXPECT_EQ(into.status, Status::kCollision);
+  EXPECT_NEAR(into.pose.position.x(), 1.0 - 0.2 - 0.2 - 0.1 * into.time - 0.01, 0.03);
+  EXPECT_NE(into.detail.find("somebody"), std::string::npos) << into.detail;
+  // Who comes across is there when the robot is, though nobody is now; who goes is not any more.
+  const Mover comes{{0.9, -1.2}, {0.0, 1.0}, 0.2, 0.1};
+  EXPECT_EQ(among({comes}, 0.6, 8).status, Status::kCollision);
+  const Mover goes{{0.9, 0.3}, {0.0, 1.0}, 0.2, 0.1};
+  EXPECT_TRUE(among({goes}, 0.6, 8).ok());
+  const Mover beside{{0.9, 0.8}, {0.0, 0.0}, 0.2, 0.0};
+  EXPECT_TRUE(among({beside}, 0.6, 8).ok());
+}
+
+TEST(Certificate, MayGoOutOfSomebodysWayAndMayStand) {
+  // Somebody walks into it from behind: it goes on, it may stand, it may turn; it backs into
+  // nobody.
+  const Mover behind{{-0.5, 0.0}, {0.8, 0.0}, 0.2, 0.1};
+  EXPECT_TRUE(among({behind}, 0.9, 4).ok());
+  EXPECT_TRUE(among({behind}, 0.0, 8).ok());
+  EXPECT_EQ(among({behind}, -0.3, 4).status, Status::kCollision);
+  // One that touches it now.
+  const Mover touches{{0.3, 0.0}, {0.0, 0.0}, 0.2, 0.0};
+  EXPECT_TRUE(among({touches}, -0.3, 4).ok());
+  EXPECT_TRUE(among({touches}, 0.0, 4).ok());
+  EXPECT_EQ(among({touches}, 0.1, 4).status, Status::kCollision);
+}
+
+TEST(Certificate, PredictsMoversFromTheirOwnStamp) {
+  const Mover comes{{0.9, -2.4}, {0.0, 1.0}, 0.2, 0.0};
+  EXPECT_TRUE(among({comes}, 0.6, 6).ok());
+  EXPECT_EQ(among({comes}, 0.6, 6, 1.2).status, Status::kCollision);
+}
+
+TEST(Certificate, ALongBodyReachesSomebodyBySweepingRound) {
+  const Unicycle model;
+  Belief belief = ObstacleWorld(0.1, 6.0).belief();
+  auto known = std::make_shared<Movers>();
+  known->all = {{{0.0, 0.55}, {0.0, 0.0}, 0.2, 0.0}};
+  belief.movers = known;
+  const auto turns = [&](double rate) {
+    return Certifier(BoxShape{{0.2, 0.0, 0.3}, {0.9, 0.3, 0.3}}, free_policy())
+        .certify(belief, model, Eigen::Vector3d::Zero(), Eigen::Vector2d(0.0, rate),
+                 constant(model, 6, {0.0, rate}), kDt);
+  };
+  EXPECT_EQ(turns(1.0).status, Status::kCollision);
+  EXPECT_TRUE(turns(-0.5).ok());
+}
+
+TEST(Certificate, AMoverThatIsNotFiniteAllowsNothing) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  const Mover sound{{3.0, 0.0}, {0.0, 0.0}, 0.2, 0.0};
+  ASSERT_TRUE(among({sound}, 0.2, 2).ok());
+  for (int n = 0; n < 5; ++n) {
+    Mover wrong = sound;
+    (n == 0   ? wrong.position.x()
+     : n == 1 ? wrong.velocity.y()
+     : n == 2 ? wrong.radius
+     : n == 3 ? wrong.spread
+              : wrong.position.y()) = n == 4 ? std::numeric_limits<double>::infinity() : kNan;
+    EXPECT_EQ(among({wrong}, 0.2, 2).status, Status::kNonFinite) << n;
+  }
+}
+
 // Below and above the height 0, and where the map does not begin at its origin.
 TEST(Certificate, AMapMayBeginAnywhere) {
   const Unicycle model;

@@ -91,6 +91,73 @@ TEST(ObstacleCost, GradientMatchesFiniteDifferences) {
   }
 }
 
+/// Some that stand, walk, and are near.
+std::vector<Mover> people() {
+  return {{{0.4, 0.3}, {0.0, 0.0}, 0.2, 0.3},
+          {{-1.0, 0.5}, {1.2, -0.3}, 0.3, 0.2},
+          {{30.0, 0.0}, {0.0, 0.0}, 0.3, 0.2}};
+}
+
+TEST(ObstacleCost, OfMoversIsThatOfBeingNearAnyOfThemAtItsTime) {
+  std::mt19937_64 random(11);
+  for (const Case& c : cases(Obstacles::kOccupied)) {
+    const double d_safe = 0.03, d_des = 0.3, radius = 0.25, dt = 0.25;
+    const ObstacleCost cost(c.clearance, d_safe, d_des, people(), radius);
+    const TrajectoryBatch t = random_trajectories(*c.model, 6, dt, 5, 2.0, random);
+    const TermOutput out = evaluate(cost, t, false);
+    const auto near = [&](double d) {
+      return 0.5 * (1.0 - std::tanh(6.0 / (d_des - d_safe) * (d - 0.5 * (d_des + d_safe))));
+    };
+    double most = 0.0;
+    for (int b = 0; b < 5; ++b) {
+      double sum = 0.0;
+      const auto add = [&](const Pose& pose, double time) {
+        double clear = 1.0 - near(c.clearance->clearance(pose));
+        for (const Mover& m : people()) {
+          const Eigen::Vector2d at = m.position + time * m.velocity;
+          const double d = (pose.position.head<2>() - at).norm() - m.radius -
+                           std::min(m.spread * time, Mover::kMostSpread) - radius;
+          clear *= 1.0 - near(d);
+        }
+        sum += 1.0 - clear;
+      };
+      for (int k = 1; k <= 6; ++k) {
+        add(t.pose(k, b), k * dt);
+        add(middle(t.pose(k - 1, b), t.pose(k, b)), (k - 0.5) * dt);
+      }
+      EXPECT_NEAR(out.value(0, b), sum / 12.0, 1e-12);
+      most = std::max(most, out.value(0, b));
+    }
+    EXPECT_GT(most, 0.05);
+    // Nobody far away changes anything.
+    const ObstacleCost alone(c.clearance, d_safe, d_des);
+    const ObstacleCost far(c.clearance, d_safe, d_des, {people()[2]}, radius);
+    const TermOutput a = evaluate(alone, t, false), f = evaluate(far, t, false);
+    for (int b = 0; b < 5; ++b) EXPECT_NEAR(a.value(0, b), f.value(0, b), 1e-12);
+  }
+}
+
+TEST(ObstacleCost, GradientAmongMoversMatchesFiniteDifferences) {
+  std::mt19937_64 random(12);
+  for (const Case& c : cases(Obstacles::kOccupied)) {
+    const ObstacleCost cost(c.clearance, 0.03, 0.3, people(), 0.25);
+    for (int sample = 0; sample < 15; ++sample) {
+      const TrajectoryBatch t = random_trajectories(*c.model, 4, 0.25, 1, 2.0, random);
+      test::expect_derivative_matches_differences(cost, t, 0, 1e-6, 2e-4);
+    }
+  }
+}
+
+TEST(ObstacleCost, RejectsMoversThatAreNotFinite) {
+  const auto c = cases(Obstacles::kOccupied).front().clearance;
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(ObstacleCost(c, 0.1, 0.3, {{{kNan, 0.0}, {0.0, 0.0}, 0.2, 0.0}}),
+               std::invalid_argument);
+  EXPECT_THROW(ObstacleCost(c, 0.1, 0.3, {{{0.0, 0.0}, {0.0, 0.0}, -0.2, 0.0}}),
+               std::invalid_argument);
+  EXPECT_THROW(ObstacleCost(c, 0.1, 0.3, {}, kNan), std::invalid_argument);
+}
+
 TEST(ObstacleCost, RejectsBadDistances) {
   const auto c = cases(Obstacles::kOccupied).front().clearance;
   EXPECT_THROW(ObstacleCost(c, 0.3, 0.3), std::invalid_argument);
@@ -346,6 +413,7 @@ TEST(ObstacleTerms, NeverNonFinite) {
     for (const Case& c : cases(obstacles)) {
       std::vector<std::shared_ptr<const Term>> terms = {
           std::make_shared<ObstacleCost>(c.clearance, 0.03, 0.3),
+          std::make_shared<ObstacleCost>(c.clearance, 0.03, 0.3, people(), 0.25),
           std::make_shared<ClearanceConstraint>(c.clearance, ClearanceConstraint::Options{})};
       if (obstacles == Obstacles::kOccupiedAndUnknown) {
         terms.push_back(

@@ -40,6 +40,7 @@
 #include "perception/fusion/inertial_witness.h"
 #include "perception/fusion/scale_agreement.h"
 #include "perception/fusion/wheel_fusion.h"
+#include "perception/mapping/mover_tracker.h"
 #include "perception/mapping/occupancy_mapper.h"
 #include "perception/odometry/camera_time_offset.h"
 #include "perception/odometry/corner_detector.h"
@@ -414,12 +415,18 @@ TEST(KnobMembers, EveryNumberAndSwitchIsAKnob) {
   {
     PerceptionOptions o;
     [[maybe_unused]] auto& [stereo_mount, depth_camera, more_depth_cameras, odometry, mapping,
-                            depth_mapping, scan_mapping, wheels, wheel_fusion, inertial,
+                            depth_mapping, scan_mapping, movers, wheels, wheel_fusion, inertial,
                             feature_density, loops, poses_drift, start, start_floor, start_in_space,
                             same_time, max_age, max_leap, max_ahead, pose_degraded, pose_lost,
                             most_waiting] = o;
     EXPECT_KNOBS(o, wheels, loops, start_floor, same_time, max_age, max_leap, max_ahead,
                  pose_degraded, pose_lost, most_waiting);
+  }
+  {
+    MoverTrackerOptions o;
+    [[maybe_unused]] auto& [enabled, moved, stands_after, rests_after, largest, acceleration,
+                            spread, keep] = o;
+    EXPECT_KNOBS(o, enabled, moved, stands_after, rests_after, largest, acceleration, spread, keep);
   }
   {
     FeatureDensityOptions o;

@@ -85,6 +85,18 @@ void expect_same(const Belief& a, const Belief& b) {
   EXPECT_EQ(a.localization, b.localization);
   EXPECT_EQ(a.localization_source, b.localization_source);
   EXPECT_EQ(a.tracked_features, b.tracked_features);
+  ASSERT_EQ(a.movers == nullptr, b.movers == nullptr);
+  if (a.movers) {
+    EXPECT_EQ(a.movers->stamp, b.movers->stamp);
+    ASSERT_EQ(a.movers->all.size(), b.movers->all.size());
+    for (std::size_t n = 0; n < a.movers->all.size(); ++n) {
+      const Mover &l = a.movers->all[n], &m = b.movers->all[n];
+      EXPECT_EQ(l.position, m.position);
+      EXPECT_EQ(l.velocity, m.velocity);
+      EXPECT_EQ(l.radius, m.radius);
+      EXPECT_EQ(l.spread, m.spread);
+    }
+  }
   EXPECT_TRUE(b.octree);
   EXPECT_EQ(a.voxels->frame(), b.voxels->frame());
   EXPECT_EQ(a.voxels->k0(), b.voxels->k0());
@@ -207,6 +219,16 @@ TEST(PlannerCalls, BeliefsAreTheSameWhateverChanges) {
   told(b);
   b.landmarks = std::make_shared<const LandmarkMap>(*belief().landmarks);
   told(b);
+
+  // Somebody comes, two are there, nobody is.
+  for (const std::size_t count : {1U, 2U, 0U}) {
+    Movers movers{12.75, {}};
+    movers.all.resize(count, {{1.0 / 3.0, -2.0}, {0.1, 1.2}, 0.25, 0.3});
+    b.movers = std::make_shared<const Movers>(movers);
+    told(b);
+  }
+  b.movers = nullptr;
+  told(b);
 }
 
 TEST(PlannerCalls, TasksAndPlansAreTold) {
@@ -312,6 +334,9 @@ TEST(PlannerCalls, WhatDoesNotFitIsRefused) {
   call = first;
   call.landmark_values.pop_back();
   refused(false, call, "landmarks that are cut off");
+  call = first;
+  call.area = {12.0, 1.0};
+  refused(false, call, "movers that are cut off");
   call = first;
   call.localization = 9;
   refused(false, call, "no localization");

@@ -20,6 +20,7 @@
 #include "adapters/missions/run/step_row.h"
 #include "engine/maps/correction.h"
 #include "engine/task/zone_map.h"
+#include "tests/not_under_sanitizers.h"
 
 namespace prospect::corrected_mission_test {
 namespace {
@@ -114,6 +115,7 @@ TEST(CorrectedMission, ARobotThatIsMovedInItsMapGoesOn) {
 // An odometry that errs by far more than it does. Where it has drawn the robot, and where that is
 // in the map: of one drive, as another one errs otherwise.
 TEST(CorrectedMission, PlacesThatAreSeenAgainKeepTheMapStraight) {
+  NOT_UNDER_SANITIZERS("a mission, of parts that are tested by themselves");
   ExplorationRunOptions options;
   options.seed = 1;
   const RunRecord record =
@@ -145,6 +147,7 @@ bool found_its_place(const RunRecord& record) {
 }
 
 TEST(CorrectedMission, ARobotThatIsCarriedFindsItsPlaceByTheMap) {
+  NOT_UNDER_SANITIZERS("a mission, of parts that are tested by themselves");
   ExplorationRunOptions options;
   options.seed = 1;
   const auto world = std::make_shared<const World>(load_world("office"));
@@ -166,6 +169,7 @@ TEST(CorrectedMission, ARobotThatIsCarriedFindsItsPlaceByTheMap) {
 }
 
 TEST(CorrectedMission, BeginsAnywhereInAMapThatWasMadeBefore) {
+  NOT_UNDER_SANITIZERS("a mission, of parts that are tested by themselves");
   ExplorationRunOptions options;
   options.seed = 1;
   const auto world = std::make_shared<const World>(load_world("office"));
