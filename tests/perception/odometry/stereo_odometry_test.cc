@@ -119,13 +119,12 @@ TEST(StereoOdometry, FollowsAnArc) {
 }
 
 /// The pair with a thing before it, at a metre and of the texture of `board`, in columns `from` to
-/// `to` of the left image, from a share of its height down.
-StereoFrame covered(const StereoFrame& frame, const Image& board, int from, int to, int texture,
-                    double top = 0.25) {
+/// `to` of the left image, from a quarter of its height down.
+StereoFrame covered(const StereoFrame& frame, const Image& board, int from, int to, int texture) {
   StereoFrame out{frame.stamp, frame.left, frame.right};
   const int disparity =
       static_cast<int>(std::lround(small_camera().left.fx * small_camera().baseline));
-  for (int v = static_cast<int>(top * board.height); v < board.height; ++v) {
+  for (int v = board.height / 4; v < board.height; ++v) {
     for (int u = std::max(from, 0); u < std::min(to, board.width); ++u) {
       const std::uint8_t grey = board.at((u + texture) % board.width, v);
       out.left.at(u, v) = grey;
@@ -159,30 +158,6 @@ TEST(StereoOdometry, WhatIsCarriedInViewIsNotRest) {
   }
   std::printf("board carried in view: off by %.3f m of %.2f m at the end, error over claim %.2f\n",
               last, path_length(s.T_WC), worst);
-  EXPECT_LT(worst, 4.0);
-}
-
-TEST(StereoOdometry, WhatComesInsteadOfAllThatWasSeenMayMove) {
-  NOT_UNDER_SANITIZERS("long sequences go the ways of short ones");
-  // Something before most of the view, then before all of it, that goes with the camera.
-  const Sequence& s = moving();
-  StereoOdometry odometry(small_camera(), {}, s.T_WC[0]);
-  double worst = 0.0, off = 0.0;
-  int tracked = 0;
-  for (std::size_t k = 0; k < 20; ++k) {
-    StereoFrame seen = s.frames[k];
-    if (k == 10) seen = covered(seen, board(), 140, 480, 0);
-    if (k > 10) seen = covered(seen, board(), 0, 480, 0, 0.0);
-    const auto frame = odometry.process(seen.stamp, seen.left.view(), seen.right.view());
-    if (k <= 10) continue;
-    EXPECT_NE(frame.state, Localization::kOk) << k;
-    tracked += frame.state == Localization::kDegraded;
-    off = (frame.T_WC.translation() - s.T_WC[k].translation()).norm();
-    const double claimed = std::sqrt(frame.covariance.topLeftCorner<3, 3>().trace());
-    worst = std::max(worst, off > 0.02 ? off / claimed : 0.0);
-  }
-  std::printf("board before all of the view: off by %.3f m, error over claim %.2f\n", off, worst);
-  EXPECT_GT(tracked, 2);
   EXPECT_LT(worst, 4.0);
 }
 
