@@ -170,8 +170,7 @@ void MoverTracker::judge(Track& track, double stamp) const {
     track.home_since = stamp;
     track.has_moved = true;
     track.stands = false;
-  } else if (stamp - track.home_since >
-             (track.has_moved ? options_.rests_after : options_.stands_after)) {
+  } else if (stamp - track.home_since > options_.rests_after) {
     track.stands = true;
     track.has_moved = false;
   }
@@ -211,6 +210,7 @@ void MoverTracker::look(double stamp, const GroundMap& ground, const HeightSlice
       track.radius = thing.radius;
       track.home = thing.position;
       track.stamp = track.home_since = stamp;
+      track.stands = true;  // until it has moved
       n = static_cast<int>(tracks_.size());
       tracks_.push_back(track);
       taken.push_back(1);
@@ -253,13 +253,13 @@ void MoverTracker::note_what_came(const GroundMap& ground, const HeightSlice& sl
 }
 
 std::shared_ptr<const Movers> MoverTracker::movers(double stamp) const {
-  if (tracks_.empty()) return nullptr;
   auto known = std::make_shared<Movers>();
   known->stamp = stamp;
   for (const Track& track : tracks_) {
-    if (stamp - track.seen > remembered(track)) continue;
+    if (track.stands || stamp - track.seen > remembered(track)) continue;
     known->all.push_back(track.mover(options_.spread).after(std::max(0.0, stamp - track.stamp)));
   }
+  if (known->all.empty()) return nullptr;
   return known;
 }
 

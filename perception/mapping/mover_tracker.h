@@ -21,7 +21,7 @@ class Knobs;
 struct MoverTrackerOptions {
   bool enabled = true;        ///< false: whatever a ray meets is of the building
   double moved = 0.3;         ///< [m] from where it was: what has gone as far moves
-  double stands_after = 1.0;  ///< [s] without having moved as far: something new is no mover
+  double stands_after = 1.0;  ///< [s] for which what has come is not taken for the building
   double rests_after = 3.0;   ///< [s] likewise of what has moved
   double largest = 1.2;       ///< [m] across: what is larger is no mover
   double acceleration = 1.0;  ///< [m/s^2] one sigma of how a mover's velocity changes in a second
@@ -50,12 +50,12 @@ void describe(Knobs& knobs, MoverTrackerOptions& options);
 /// for two seconds, and may be anywhere then; who stood is there until a ray at the body's heights
 /// passes through that place, or for options.keep.
 ///
-/// What becomes of the hits. A thing that is new may be somebody, or a chair leg that no ray had
-/// met yet. For `stands_after` it has the benefit of the doubt: its hits clear up to them and are
-/// no obstacle of the map (DepthScan::passing), as are those of what has moved; and it is a mover,
-/// so that nobody drives into it meanwhile. What stands longer is of the building until it goes:
-/// its hits are entered, and rays clear it as anything else. So walkers leave no trail, who stands
-/// is gone round, and nobody waits for ever.
+/// What becomes of the hits. What is new may be a chair leg that no ray had met yet, or furniture
+/// where the estimate has drifted: its hits are entered as any. Once it has moved by options.moved
+/// its hits clear up to them and are no obstacle of the map (DepthScan::passing), and movers()
+/// tells of it, so that nobody drives into it. What has not moved as far for `rests_after` is of
+/// the building again until it goes. So of who walks the first steps are in the map at most, until
+/// a ray clears them; who stands is gone round, and nobody waits for ever.
 ///
 /// Frames: W, in which the map may be corrected; what is followed then is off for as long as it is
 /// followed. Thread-safety: one thread. Errors: none; non-finite points say nothing. Deterministic.
@@ -70,7 +70,7 @@ class MoverTracker {
   /// scan.passing. `ground`: of the map so far, with what `slice` keeps.
   void look(double stamp, const GroundMap& ground, const HeightSlice& slice, DepthScan& scan);
 
-  /// Those that are followed, as predicted for `stamp` [s]; null: none.
+  /// Those that have moved, as predicted for `stamp` [s]; null: none.
   std::shared_ptr<const Movers> movers(double stamp) const;
 
  private:

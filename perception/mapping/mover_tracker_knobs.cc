@@ -11,8 +11,9 @@ void describe(Knobs& knobs, MoverTrackerOptions& o) {
   knobs.number("moved", o.moved, {0.01, 10.0}, "m",
                "from where it was; what has gone as far moves");
   knobs.number("stands_after", o.stands_after, {0.0, 1000.0}, "s",
-               "in which something new has not moved as far; then it is of the building");
-  knobs.number("rests_after", o.rests_after, {0.0, 1000.0}, "s", "likewise of what has moved");
+               "for which what has come is not taken for the building");
+  knobs.number("rests_after", o.rests_after, {0.0, 1000.0}, "s",
+               "in which a mover has not moved as far; then it is of the building");
   knobs.number("largest", o.largest, {0.1, 10.0}, "m", "across; what is larger is no mover");
   knobs.number("acceleration", o.acceleration, {0.01, 100.0}, "m/s^2",
                "one sigma of how a mover's velocity changes in a second");

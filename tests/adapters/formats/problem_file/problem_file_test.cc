@@ -421,8 +421,8 @@ TEST_F(ProblemFileTest, SaysWhichEntryIsNoneOfAProblemWhateverItClaims) {
             "/format: missing; expected a text of a fixed length, at most 4096 bytes");
   EXPECT_EQ(after([](hid_t f) { set_text(f, "/", "format", "prospect map"); }),
             "/format: is 'prospect map'; expected 'prospect problem'");
-  EXPECT_EQ(after([](hid_t f) { set_integer(f, "/", "version", 7); }),
-            "/version: is 7; expected 1 to 6, those that this program knows");
+  EXPECT_EQ(after([](hid_t f) { set_integer(f, "/", "version", 8); }),
+            "/version: is 8; expected 1 to 7, those that this program knows");
   EXPECT_THAT(after([](hid_t f) { set_integer(f, "/", "version", -1); }),
               StartsWith("/version: is -1; expected"));
   EXPECT_THAT(

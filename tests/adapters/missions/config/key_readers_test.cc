@@ -147,7 +147,7 @@ void add_simulator(Text& text, const Configuration& c) {
   }
   text.add_all(mapping_options(o, c.perception.mapping));
   text.add_all(c.perception.feature_density);
-  text.add(c.perception.start_floor);
+  text.add(c.perception.start_floor), text.add_all(c.perception.movers);
   text.add(c.map), text.add(o.place_known);
   if (o.sensors == Sensors::kModel) {
     text.add_all(o.odometry), text.add_all(o.features), text.add_all(o.landmarks);
