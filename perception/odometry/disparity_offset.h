@@ -7,8 +7,8 @@ class Knobs;
 
 /// How the error of the disparities' zero is estimated on the way (drift_measurement.h).
 struct DisparityOffsetOptions {
-  /// [px] of a calibration: of three real cameras the zero is wrong by 0.6 px RMS. 0: the offset is not
-  /// estimated.
+  /// [px] of a calibration: that of three real cameras is wrong by 0.6 px RMS. 0: the offset is
+  /// not estimated.
   double prior_sigma = 0.6;
   /// [px] by which it may wander from one update to the next.
   double walk_sigma = 0.01;
