@@ -37,4 +37,14 @@ struct Movers {
   std::vector<Mover> all;
 };
 
+/// All as predicted for `stamp` [s], or as they are if that lies before theirs. null: none.
+inline std::vector<Mover> predicted(const Movers* known, double stamp) {
+  if (known == nullptr) return {};
+  const double since = std::max(0.0, stamp - known->stamp);
+  std::vector<Mover> all;
+  all.reserve(known->all.size());
+  for (const Mover& mover : known->all) all.push_back(mover.after(since));
+  return all;
+}
+
 }  // namespace prospect

@@ -53,13 +53,10 @@ void specify_robot_and_horizon(const StepContext& c, ProblemSpecification& s) {
 std::vector<Mover> movers_in_reach(const StepContext& c, double d_des) {
   constexpr std::size_t kMost = 8;  // each costs an evaluation what a body's clearance does
   std::vector<Mover> near;
-  if (c.belief.movers == nullptr) return near;
   const double horizon = c.parameters.N * c.parameters.dt;
-  const double since = std::max(0.0, c.belief.stamp - c.belief.movers->stamp);
   const Eigen::Vector2d here = c.belief.pose.position.head<2>();
-  for (const Mover& mover : c.belief.movers->all) {
-    if (!mover.sound()) continue;  // such a belief gets no certificate
-    const Mover now = mover.after(since);
+  for (const Mover& now : predicted(c.belief.movers.get(), c.belief.stamp)) {
+    if (!now.sound()) continue;  // such a belief gets no certificate
     const double meets = reach(c) + circumscribed_radius(c.robot.shape) + d_des +
                          now.velocity.norm() * horizon + now.reach(horizon);
     if ((now.position - here).norm() < meets) near.push_back(now);

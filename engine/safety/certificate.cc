@@ -712,13 +712,10 @@ class Certifier::Check {
         half_voxel_(0.5 * belief.voxels->resolution()),
         drift_(drift),
         map_frame_(belief.map_frame.get()),
+        movers_(predicted(belief.movers.get(), belief.stamp)),
         sub_(model.nx()) {
     closing_ = {options_.unknown, drift, options_.drift_limit};
     closing_.octree = belief.octree.get();
-    if (belief.movers) {
-      const double since = std::max(0.0, belief.stamp - belief.movers->stamp);
-      for (const Mover& mover : belief.movers->all) movers_.push_back(mover.after(since));
-    }
     if (planar_ && options_.seen_floor) {
       const HeightSlice slice{options_.slice.z_min, options_.slice.z_max, {}, options_.step};
       closing_.floor = slice_layers(slice, belief.voxels->resolution()).floor;

@@ -277,7 +277,7 @@ MappedFrame DepthMapper::process(double stamp, const DepthImage& image,
     return reject("too much lies below the floor");
   }
   poses_.accept(stamp, T_WC);
-  if (movers_) movers_->look(stamp, *map_->ground(), map_->options().slice, scan);
+  if (movers_) movers_->look(stamp, *map_, scan);
   map_->insert(scan);
   out.times.insert = clock.lap();
   return out;

@@ -42,7 +42,7 @@ Mover MoverTracker::Track::mover(double spread) const {
   const double sigma = std::sqrt(std::max(P(2, 2), P(3, 3)));
   Mover m;
   m.position = x.head<2>();
-  if (has_moved) m.velocity = x.tail<2>();
+  m.velocity = x.tail<2>();
   m.radius = radius;
   m.spread = std::clamp(sigma, spread, kMostSpreads * spread);
   return m;
@@ -159,8 +159,8 @@ int MoverTracker::track_of(const Thing& thing, const std::vector<char>& taken) c
 }
 
 double MoverTracker::remembered(const Track& track) const {
-  if (track.stands) return std::min(kInTheMap, options_.keep);
-  const bool walks = track.has_moved && track.x.tail<2>().norm() > kWalks;
+  if (!track.has_moved) return std::min(kInTheMap, options_.keep);
+  const bool walks = track.x.tail<2>().norm() > kWalks;
   return walks ? std::min(kWalksOn, options_.keep) : options_.keep;
 }
 
@@ -169,16 +169,16 @@ void MoverTracker::judge(Track& track, double stamp) const {
     track.home = track.x.head<2>();
     track.home_since = stamp;
     track.has_moved = true;
-    track.stands = false;
   } else if (stamp - track.home_since > options_.rests_after) {
-    track.stands = true;
     track.has_moved = false;
   }
 }
 
-void MoverTracker::look(double stamp, const GroundMap& ground, const HeightSlice& slice,
-                        DepthScan& scan) {
+void MoverTracker::look(double stamp, OccupancyMapper& map, DepthScan& scan) {
   if (!options_.enabled || !std::isfinite(stamp)) return;
+  const std::shared_ptr<const GroundMap> so_far = map.ground();
+  const GroundMap& ground = *so_far;
+  const HeightSlice& slice = map.options().slice;
   stamp_ = stamp = std::max(stamp_, stamp);
   for (Track& track : tracks_) predict(track, stamp);
   const double r = ground.frame().resolution;
@@ -210,7 +210,6 @@ void MoverTracker::look(double stamp, const GroundMap& ground, const HeightSlice
       track.radius = thing.radius;
       track.home = thing.position;
       track.stamp = track.home_since = stamp;
-      track.stands = true;  // until it has moved
       n = static_cast<int>(tracks_.size());
       tracks_.push_back(track);
       taken.push_back(1);
@@ -221,7 +220,7 @@ void MoverTracker::look(double stamp, const GroundMap& ground, const HeightSlice
     Track& track = tracks_[static_cast<std::size_t>(n)];
     track.seen = stamp;
     judge(track, stamp);
-    if (!track.stands) held.push_back(std::move(thing));
+    if (track.has_moved) held.push_back(std::move(thing));
   }
   std::erase_if(tracks_, [&](const Track& t) {
     return stamp - t.seen > remembered(t) || (stamp > t.seen && seen_through(t, slice, scan, r));
@@ -256,7 +255,7 @@ std::shared_ptr<const Movers> MoverTracker::movers(double stamp) const {
   auto known = std::make_shared<Movers>();
   known->stamp = stamp;
   for (const Track& track : tracks_) {
-    if (track.stands || stamp - track.seen > remembered(track)) continue;
+    if (!track.has_moved || stamp - track.seen > remembered(track)) continue;
     known->all.push_back(track.mover(options_.spread).after(std::max(0.0, stamp - track.stamp)));
   }
   if (known->all.empty()) return nullptr;

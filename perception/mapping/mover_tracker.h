@@ -22,7 +22,7 @@ struct MoverTrackerOptions {
   bool enabled = true;        ///< false: whatever a ray meets is of the building
   double moved = 0.3;         ///< [m] from where it was: what has gone as far moves
   double stands_after = 1.0;  ///< [s] for which what has come is not taken for the building
-  double rests_after = 3.0;   ///< [s] likewise of what has moved
+  double rests_after = 3.0;   ///< [s] what has moved no farther for as long is of the building
   double largest = 1.2;       ///< [m] across: what is larger is no mover
   double acceleration = 1.0;  ///< [m/s^2] one sigma of how a mover's velocity changes in a second
   double spread = 0.3;        ///< [m/s] by which what is predicted grows at least
@@ -67,8 +67,8 @@ class MoverTracker {
   explicit MoverTracker(const MoverTrackerOptions& options = {});
 
   /// Before a scan of `stamp` [s], in W, is entered into the map: moves the hits of movers to
-  /// scan.passing. `ground`: of the map so far, with what `slice` keeps.
-  void look(double stamp, const GroundMap& ground, const HeightSlice& slice, DepthScan& scan);
+  /// scan.passing.
+  void look(double stamp, OccupancyMapper& map, DepthScan& scan);
 
   /// Those that have moved, as predicted for `stamp` [s]; null: none.
   std::shared_ptr<const Movers> movers(double stamp) const;
@@ -87,8 +87,7 @@ class MoverTracker {
     double seen = 0.0;                               // [s] when it last was
     Eigen::Vector2d home = Eigen::Vector2d::Zero();  // from where it has to move
     double home_since = 0.0;                         // [s]
-    bool has_moved = false;
-    bool stands = false;  // of the building
+    bool has_moved = false;                          // else it is of the building
     Mover mover(double spread) const;
   };
 

@@ -115,7 +115,7 @@ MappedFrame ScanMapper::process(double stamp, const DepthScan& scan_S,
   out.state = Mapping::kOk;
   out.T_WC = T_WS;
   poses_.accept(stamp, T_WS);
-  if (movers_) movers_->look(stamp, *map_->ground(), map_->options().slice, scan);
+  if (movers_) movers_->look(stamp, *map_, scan);
   map_->insert(scan);
   out.times.insert = clock.lap();
   return out;

@@ -118,7 +118,7 @@ void FeatureSensors::enter(double stamp, const SensorFrame& ranges) {
   scan_stamps_[static_cast<std::size_t>(scan->sensor)] = stamp;
   scan_stamp_ = *std::min_element(scan_stamps_.begin(), scan_stamps_.end());
   DepthScan in_W = transform(*scan->in_B, *scan->pose);
-  movers_.look(stamp, *mapper_->ground(), mapper_->options().slice, in_W);
+  movers_.look(stamp, *mapper_, in_W);
   mapper_->insert(in_W);
 }
 

@@ -47,7 +47,7 @@ class Hall {
         (far < 5.5 ? s.hits : s.misses).push_back(p);
       }
     }
-    tracker_.look(time_, *map_.ground(), map_.options().slice, s);
+    tracker_.look(time_, map_, s);
     map_.insert(s);
     passing_ = s.passing.size();
     time_ += kPeriod;
@@ -167,7 +167,7 @@ TEST(MoverTracker, TheBuildingDoesNotMove) {
   DepthScan first;
   first.origin = {0.0, 0.0, 0.3};
   for (int k = -20; k <= 20; ++k) first.hits.emplace_back(2.0, 0.05 * k, 0.3);
-  fresh.look(0.0, *map.ground(), map.options().slice, first);
+  fresh.look(0.0, map, first);
   EXPECT_TRUE(first.passing.empty());
 
   Hall wide;
@@ -207,9 +207,9 @@ TEST(MoverTracker, WhatIsNotFiniteSaysNothing) {
     DepthScan s;
     s.origin = {0.0, 0.0, 0.3};
     s.hits = {{wrong, 1.0, 0.3}, {1.0, wrong, 0.3}, {1.0, 1.0, wrong}};
-    hall.tracker_.look(hall.time_, *hall.map_.ground(), hall.map_.options().slice, s);
+    hall.tracker_.look(hall.time_, hall.map_, s);
     EXPECT_TRUE(s.passing.empty()) << wrong;
-    hall.tracker_.look(wrong, *hall.map_.ground(), hall.map_.options().slice, s);
+    hall.tracker_.look(wrong, hall.map_, s);
   }
   MoverTrackerOptions options;
   options.spread = kNan;
