@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 # Rows of the results: each table leads to a commit that is there; a row is found, its command filled in, and what a
 # program says now is judged to the digits of the page.
-#   reproduce_test.sh <source tree> <scratch folder>
+#   reproduce_test.sh <source tree> <scratch folder> <prospect>
 set -uo pipefail
-root="$1" work="$2"
+root="$1" work="$2" prospect="$3"
 rm -rf "$work"
 mkdir -p "$work"
 source "${BASH_SOURCE[0]%/*}/../checks.sh"
@@ -80,6 +80,33 @@ said 2 "no such section; expected one of some-missions-all, a-bench" "$shelf/pag
 said 0 "verdict: the same" "page#some-missions-all/office"
 said 2 "no such page" "$shelf/none.md#other"
 said 2 "no such program" "$section/office" --build "$work"
+
+# The same as a command of the program, from any folder; what it has started ends with it.
+called() {
+  local expected_code="$1" expected="$2"
+  shift 2
+  run env -C / "$prospect" reproduce "$@"
+  ((code == expected_code)) && [[ "$out$err" == *"$expected"* ]] || fail "reproduce $*: exit $code, expected $expected_code and '$expected': '$out' '$err'"
+}
+called 0 "verdict: the same" "$tree/$section/office" --build "$tree/build"
+called 0 "row: $tree/$section/office" "$tree/$section" --show
+called 2 "no such section" "$tree/$shelf/page.md#other"
+called 2 "no scripts/reproduce above it" none.md#other
+called 2 "expected a row"
+called 2 "expected a row" "$section/office" --check
+cp "$tree/build/prospect" "$tree/build/quick"
+printf '#!/usr/bin/env bash\n[[ "$1" != --version ]] || exit 0\necho $$ >"${0%%/*}/pid"\nexec sleep 100\n' >"$tree/build/prospect"
+"$prospect" reproduce "$tree/$section/office" --build "$tree/build" >"$work/out" 2>"$work/err" &
+for _ in {1..500}; do
+  [[ -s "$tree/build/pid" ]] && break
+  sleep 0.02
+done
+kill -TERM $!
+code=0
+wait $! || code=$?
+((code == 4)) || fail "reproduce, SIGTERM: exit $code, expected 4: $(<"$work/err")"
+! kill -0 "$(<"$tree/build/pid")" 2>/dev/null || fail "a mission goes on that was started for a row"
+mv "$tree/build/quick" "$tree/build/prospect"
 said 0 "" --check
 # A table without a commit, and a commit that is none.
 sed -i "s/\`$commit\`/today/" "$tree/$shelf/page.md"
