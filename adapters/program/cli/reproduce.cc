@@ -33,7 +33,8 @@ fs::path script_for(const std::string& row) {
     fs::path folder = fs::weakly_canonical(start, error);
     for (; !error && folder.has_relative_path(); folder = folder.parent_path()) {
       const fs::path script = folder / "scripts" / "reproduce";
-      if (fs::is_regular_file(script, error)) return script;
+      std::error_code absent;
+      if (fs::is_regular_file(script, absent)) return script;
     }
   }
   throw InputError("'" + row +
