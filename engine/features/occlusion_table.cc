@@ -157,6 +157,7 @@ Weights spline_weights(double position, double spacing, int nodes) {
   const double low = 0.5, high = nodes - 1.5;
   const double raw = position / spacing;
   const double s = std::clamp(raw, low, high);
+  // NOLINTNEXTLINE(bugprone-incorrect-roundings): s > 0, and lround() is a call
   const int center = std::min(static_cast<int>(s + 0.5), nodes - 2);
   const double f = s - center;
   r.first = center - 1;

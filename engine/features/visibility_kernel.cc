@@ -444,7 +444,7 @@ PROSPECT_FORCE_INLINE const double* visible_of(const VisibilityBlockResult* resu
 PROSPECT_FORCE_INLINE const float* visible_of(const VisibilityScoreResult* results, int block) {
   constexpr int kBlocks = VisibilityScoreBlock::kLanes / kLanes;
   const VisibilityScoreResult& r = results[block / kBlocks];
-  return r.alive ? r.pi + block % kBlocks * kLanes : nullptr;
+  return r.alive ? r.pi + std::ptrdiff_t{block % kBlocks} * kLanes : nullptr;
 }
 
 template <typename Result>

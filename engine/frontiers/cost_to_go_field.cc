@@ -260,7 +260,7 @@ void CostToGoField::find_anchor(const Traversability& traversability, bool reach
   Cell best = reached_only ? anchor_ : robot_;
   for (int dj = -reach; dj <= reach; ++dj) {
     for (int di = -reach; di <= reach; ++di) {
-      const std::int64_t distance = static_cast<std::int64_t>(di) * di + dj * dj;
+      const std::int64_t distance = std::int64_t{di} * di + std::int64_t{dj} * dj;
       const Cell c{robot_.i + di, robot_.j + dj};
       if (distance >= least || !traversability.passable(c)) continue;
       if (reached_only && !reached(frame_.index(c))) continue;

@@ -25,8 +25,8 @@ class SharedResultsPointer {
  public:
   SharedResultsPointer() = default;
   SharedResultsPointer(const SharedResultsPointer&) {}
-  SharedResultsPointer& operator=(const SharedResultsPointer&) {
-    results_ = nullptr;
+  SharedResultsPointer& operator=(const SharedResultsPointer& other) {
+    if (this != &other) results_ = nullptr;
     return *this;
   }
   SharedResults* get() const { return results_; }

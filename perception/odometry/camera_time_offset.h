@@ -90,7 +90,7 @@ class CameraTimeOffset {
 
  private:
   static constexpr int kReach = 2;                    // frames before and after
-  static constexpr std::size_t kPieces = 4 * kReach;  // by times, then by numbers
+  static constexpr std::size_t kPieces = std::size_t{4} * kReach;  // by times, then by numbers
   static constexpr std::size_t kSize = 6;             // of (tau [s], c [px])
   using Vector = Eigen::Matrix<double, kSize, 1>;
   using Matrix = Eigen::Matrix<double, kSize, kSize>;

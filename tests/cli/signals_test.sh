@@ -79,7 +79,7 @@ rm -rf run
 printf 'worlds: office\nseeds: 1..2\n' >study.yaml
 calls=("explore office --out new" "drive office --out new" "relay --ros robot.yaml" "report recorded --figure path --out new"
   "export office --sdf new/office.sdf" "solve office@4" "bench zoo --out new" "replay recorded --out new"
-  "study study.yaml --out new" "inspect stereo" "odometry stereo --out new" "map depth/posed --out new" "list" "config")
+  "study study.yaml --out new" "reproduce --check" "inspect stereo" "odometry stereo --out new" "map depth/posed --out new" "list" "config")
 signals=(INT TERM HUP)
 for ((k = 0; k < ${#calls[@]}; ++k)); do
   # shellcheck disable=SC2086

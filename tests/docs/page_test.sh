@@ -12,6 +12,8 @@
 #   text           not run: what needs root, a network or another machine
 # Blocks after a line "<!-- needs ../shared -->" or "<!-- needs python3-scipy -->" are skipped, and said to
 # be, where that is absent.
+# A page that begins with how many minutes it takes ("Ten minutes", "in 15 minutes") is read at 200 words a minute, and
+# its commands run, in no more.
 # All commands of a page run in one shell, in a folder that has docs/, adapters/ (whose code a page shows),
 # build/ as scripts/explore leaves it, and nothing else. They find the programs that the listed packages bring.
 set -uo pipefail
@@ -209,4 +211,11 @@ while IFS= read -r line || [[ -n "$line" ]]; do
 done <"$page"
 [[ -z "$kind" ]] || fail "$begin: a block that does not end"
 ((ran > 0)) || fail "1: nothing to run"
+declare -A spelled=([Five]=5 [Ten]=10 [Fifteen]=15 [Twenty]=20)
+if [[ "$(head -n 5 "$page")" =~ ([0-9]+|Five|Ten|Fifteen|Twenty)\ minutes ]]; then
+  promised="${spelled[${BASH_REMATCH[1]}]:-${BASH_REMATCH[1]}}"
+  reading=$(($(wc -w <"$page") * 60 / 200))
+  echo "$name: $reading s of reading, $SECONDS s of running; $promised minutes are promised"
+  ((reading + SECONDS <= promised * 60)) || fail "1: takes longer than it says"
+fi
 ((failures == 0))

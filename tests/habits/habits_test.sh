@@ -41,6 +41,21 @@ for key in "cff-version: 1.2.0", "title: ", "message: ", "license: Apache-2.0", 
 assert "WarningsAsErrors: '*'" in open(f"{root}/.clang-tidy").read()
 PYTHON
 
+# clang-tidy: what passes passes, and what does not is told.
+if command -v clang-tidy >/dev/null; then
+  "$root/scripts/tidy" models >"$work/out" 2>&1 || fail "scripts/tidy models: $(tail -n 5 "$work/out")"
+  mkdir -p "$work/tidy/scripts" "$work/tidy/models"
+  cp "$root/scripts/tidy" "$work/tidy/scripts/"
+  cp "$root/.clang-tidy" "$work/tidy/"
+  echo '#include <string>' >"$work/tidy/models/good.cc"
+  cp "$work/tidy/models/good.cc" "$work/tidy/models/bad.cc"
+  echo 'bool none(const std::string& s) { return s.size() == 0; }' >>"$work/tidy/models/bad.cc"
+  ! "$work/tidy/scripts/tidy" models >"$work/out" 2>&1 && grep -q 'models/bad.cc:2:.*readability-container-size-empty' "$work/out" ||
+    fail "a fault is not told: $(<"$work/out")"
+else
+  echo "habits: no file is tidied: no clang-tidy"
+fi
+
 # Key figures: the same build is no worse than itself; what has grown is marked.
 mkdir -p "$work/tree/releases/0.0.9" "$work/tree/releases/0.0.10"
 cp -r "$root/scripts" "$work/tree/"

@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 # Rows of the results: each table leads to a commit that is there; a row is found, its command filled in, and what a
 # program says now is judged to the digits of the page.
-#   reproduce_test.sh <source tree> <scratch folder>
+#   reproduce_test.sh <source tree> <scratch folder> <prospect>
 set -uo pipefail
-root="$1" work="$2"
+root="$1" work="$2" prospect="$3"
 rm -rf "$work"
 mkdir -p "$work"
 source "${BASH_SOURCE[0]%/*}/../checks.sh"
@@ -36,17 +36,37 @@ Of commit \`$commit\`.
 ## A bench
     prospect bench zoo
 
-| set | solved |
+| set | solved | gap (worst) | ms |
+|---|---|---|---|
+| zoo | 11 → **12** | 0.50 (−3) | 40 |
+| other | 3 | 0.1 (2) | 1 |
+
+## Clips
+    D=data
+    build/clips \$D/hall@12
+    build/clips CLIPS
+
+| clip | error |
 |---|---|
-| zoo | 12 |
+| hall | 0.2 |
+
+## More
+    build/clips CLIPS
+
+| clip | error |
+|---|---|
+| hall | 0.2 |
 PAGE
 cat >"$tree/build/prospect" <<'PROGRAM'
 #!/usr/bin/env bash
 [[ "$1" != --version ]] || { echo "prospect 9.9"; exit; }
 echo "$*" >>"${0%/*}/called"
+[[ "$1" != bench ]] || printf '%s\n' "solved of:" "| set | solved | gap (worst) | ms | J |" "|---|---|---|---|---|" "| \`zoo\` | 12 of 13 | 0.504 (-3.1) | 77 | 3 |" ""
 [[ "${*: -2:1}" == --out ]] && mkdir -p "${*: -1}" && cp "${0%/*}/summary.json" "${*: -1}/"
+exit 0
 PROGRAM
-chmod +x "$tree/build/prospect"
+printf '#!/bin/sh\necho "3 clips, 2 of them long"\necho clip,error,end\necho data/hall,0.26,7\n' >"$tree/build/clips"
+chmod +x "$tree/build/prospect" "$tree/build/clips"
 summary() {
   echo "{\"coverage\": $1, \"reason\": \"$2\", \"duration_s\": 39.6, \"time_to_90_s\": $3, \"time_to_95_s\": null, \"collisions\": 0,
     \"losses\": 2, \"localization_rmse_m\": 0.0549, \"localization_final_m\": 0.1}" >"$tree/build/summary.json"
@@ -74,12 +94,49 @@ said 1 "differs: end: explored, now time limit" "$section/office"
 summary 0.98 explored 12
 said 0 "command: prospect explore office --seed 1 --solver nlopt" "$section/office" --show
 said 3 "row: $section/hall.bt/ipopt" "$section"
-said 3 "verdict: not judged; the page says set: zoo, solved: 12" "$shelf/page.md#a-bench/zoo"
+# By the table that a command prints: in columns of the same names, without times.
+said 0 "verdict: the same, 3 numbers" "$shelf/page.md#a-bench/zoo"
+said 3 "verdict: not judged; the page says other | 3 | 0.1 (2) | 1; the command says nothing of that name" "$shelf/page.md#a-bench/other"
+said 1 "verdict: differs: error: 0.2, now 0.26" "$shelf/page.md#clips/hall"
+[[ "$out" == *"command: build/clips data/hall@12"* ]] || fail "what a page calls \$D: $out"
+said 3 "verdict: not judged; the page says clip: hall, error: 0.2" "$shelf/page.md#more/hall"
 said 2 "no such row; expected one of office, hall.bt" "$section/yard"
 said 2 "no such section; expected one of some-missions-all, a-bench" "$shelf/page.md#other"
 said 0 "verdict: the same" "page#some-missions-all/office"
 said 2 "no such page" "$shelf/none.md#other"
 said 2 "no such program" "$section/office" --build "$work"
+
+# The same as a command of the program, from any folder; what it has started ends with it.
+called() {
+  local expected_code="$1" expected="$2"
+  shift 2
+  run env -C / "$prospect" reproduce "$@"
+  ((code == expected_code)) && [[ "$out$err" == *"$expected"* ]] || fail "reproduce $*: exit $code, expected $expected_code and '$expected': '$out' '$err'"
+}
+called 0 "verdict: the same" "$tree/$section/office" --build "$tree/build"
+called 0 "row: $tree/$section/office" "$tree/$section" --show
+called 2 "no such section" "$tree/$shelf/page.md#other"
+called 2 "no scripts/reproduce above it" none.md#other
+called 2 "expected a row"
+called 2 "expected a row" "$section/office" --check
+cp "$tree/build/prospect" "$tree/build/quick"
+printf '#!/usr/bin/env bash\n[[ "$1" != --version ]] || exit 0\necho $$ >"${0%%/*}/pid"\nexec sleep 100\n' >"$tree/build/prospect"
+"$prospect" reproduce "$tree/$section/office" --build "$tree/build" >"$work/out" 2>"$work/err" &
+for _ in {1..500}; do
+  [[ -s "$tree/build/pid" ]] && break
+  sleep 0.02
+done
+kill -TERM $!
+code=0
+wait $! || code=$?
+((code == 4)) || fail "reproduce, SIGTERM: exit $code, expected 4: $(<"$work/err")"
+mission="$(<"$tree/build/pid")"
+for _ in {1..100}; do
+  [[ -e "/proc/$mission/exe" ]] || break
+  sleep 0.02
+done
+[[ ! -e "/proc/$mission/exe" ]] || fail "a mission goes on that was started for a row"
+mv "$tree/build/quick" "$tree/build/prospect"
 said 0 "" --check
 # A table without a commit, and a commit that is none.
 sed -i "s/\`$commit\`/today/" "$tree/$shelf/page.md"

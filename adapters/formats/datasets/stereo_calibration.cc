@@ -204,7 +204,7 @@ std::string set_lens(CalibratedCamera& camera, const std::string& model,
              name == "rational-polynomial") {
     // OpenCV's thin prism and tilt follow the rational terms.
     while (k.size() > 8 && k.back() == 0.0) k.pop_back();
-    if (k.size() != 0 && k.size() != 4 && k.size() != 5 && k.size() != 8) {
+    if (!k.empty() && k.size() != 4 && k.size() != 5 && k.size() != 8) {
       return "has " + count + " coefficients; expected 4, 5 or 8 (k1 k2 p1 p2 k3 k4 k5 k6)";
     }
   } else {
@@ -331,7 +331,8 @@ PinholeCamera depth_camera_of(const CameraInfo& info, bool rectified, const std:
   const double height = info.height > 0.0 ? info.height : 2.0 * camera.pinhole.cy;
   double moved = 0.0;  // [px]
   for (int n = 0; n < 25; ++n) {
-    const Eigen::Vector2d p(0.25 * (n % 5) * width, 0.25 * (n / 5) * height);
+    const int column = n % 5, row = n / 5;
+    const Eigen::Vector2d p(0.25 * column * width, 0.25 * row * height);
     const Eigen::Vector2d ray((p.x() - camera.pinhole.cx) / camera.pinhole.fx,
                               (p.y() - camera.pinhole.cy) / camera.pinhole.fy);
     moved = std::fmax(moved, (project_distorted(camera, ray) - p).norm());

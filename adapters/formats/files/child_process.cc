@@ -36,7 +36,9 @@ ChildProcess::ChildProcess(const std::vector<std::string>& words, const Options&
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (::getppid() != parent) ::_exit(127);  // it ended before that was said
   const int in = ::open("/dev/null", O_RDWR | O_CLOEXEC);
-  const int err = ::open(options.errors.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  const int err = options.errors.empty() ? ::fcntl(2, F_DUPFD_CLOEXEC, 3)
+                                         : ::open(options.errors.c_str(),
+                                                  O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
   if (in < 0 || ::dup2(in, 0) < 0 || ::dup2(options.output < 0 ? in : options.output, 1) < 0 ||
       ::dup2(err < 0 ? in : err, 2) < 0) {
     ::_exit(127);

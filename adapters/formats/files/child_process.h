@@ -24,7 +24,7 @@ class ChildProcess {
 
   /// Files of this process are descriptors; -1: none.
   struct Options {
-    std::string errors = "/dev/null";  ///< path of the file for standard error
+    std::string errors = "/dev/null";  ///< path of the file for standard error; empty: this one's
     int output = -1;                   ///< open file for standard output; -1: it goes nowhere
     int kept_open = -1;                ///< a file that it keeps open, too, such as a lock
     std::size_t memory = 0;            ///< [bytes] of addresses at most; 0: as many as this process

@@ -1114,7 +1114,7 @@ void print(const Printed& node, int depth, bool after_dash, std::string& out) {
     const ConfigEntry& e = *child.entry;
     const bool unset = e.value == "inf" || e.value == "-inf" || e.value == "nan";
     std::string line =
-        indent + (unset && e.unit != "" ? "# " : "") + yaml_text(child.name) + ": " + e.value;
+        indent + (unset && !e.unit.empty() ? "# " : "") + yaml_text(child.name) + ": " + e.value;
     std::string note = e.description;
     if (!e.unit.empty()) note += (note.empty() ? "[" : " [") + e.unit + "]";
     if (!e.default_value.empty() && e.default_value != e.value) {

@@ -234,7 +234,8 @@ std::string curve_svg(const CurveSheet& sheet) {
     const auto path = path_of(sheet, area, points, &CurveSheet::Point::y);
     if (path.size() > 1) drawing.line(path, solver_color(k), 1.3);
     const double left = kLeft + kWidth / columns * static_cast<double>(k % columns);
-    const double y = key_top + kKeyRow * static_cast<double>(k / columns);
+    const std::size_t row = k / columns;
+    const double y = key_top + kKeyRow * static_cast<double>(row);
     drawing.line({{left, y - 2.5}, {left + 12.0, y - 2.5}}, solver_color(k), 1.8);
     drawing.text(sheet.solvers[k], {left + 16.0, y}, kFont, kInk);
   }

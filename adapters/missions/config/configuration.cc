@@ -55,7 +55,7 @@ RobotShape read_shape(YamlMap map) {
   if (type == "box") return read_knobs(map, BoxShape{{0.0, 0.0, 0.3}, {0.4, 0.3, 0.4}});
   if (type == "spheres") {
     SphereSetShape shape;
-    for (YamlMap sphere : map.maps("spheres")) {
+    for (const YamlMap& sphere : map.maps("spheres")) {
       YamlKnobs knobs(sphere, YamlKnobs::Missing::kError);
       describe(knobs, shape.spheres.emplace_back());
     }
@@ -394,7 +394,7 @@ void read_zones(YamlMap map, Zones& zones) {
   Polygon bound =
       read_polygon(map, "bound", false, "the robot stays within: x, y of each corner in turn");
   if (!bound.empty()) zones.bound = std::move(bound);
-  for (YamlMap zone : map.maps("keep_out")) {
+  for (const YamlMap& zone : map.maps("keep_out")) {
     zones.keep_out.push_back(read_polygon(zone, "area", true, corners));
   }
   for (YamlMap zone : map.maps("slow")) {

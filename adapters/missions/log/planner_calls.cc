@@ -49,6 +49,7 @@ Landmark landmark_of(std::uint64_t id, const double* v) {
 
 bool same_bits(const Landmark& a, const Landmark& b) {
   const LandmarkValues va = values_of(a), vb = values_of(b);
+  // NOLINTNEXTLINE(bugprone-suspicious-memory-comparison): whether they are the same bits
   return a.id == b.id && std::memcmp(va.data(), vb.data(), sizeof va) == 0;
 }
 
@@ -314,7 +315,8 @@ void PlannerCallReader::take_map_frame(const PlannerCall& call, const std::strin
   const std::vector<double>& told = call.area;
   for (std::size_t n = 0; n < told.size();) {
     const double count = told[n++];
-    if (!(count >= 0.0 && count <= static_cast<double>((told.size() - n) / kOfMove))) {
+    const std::size_t most = (told.size() - n) / kOfMove;
+    if (!(count >= 0.0 && count <= static_cast<double>(most))) {
       damaged(said, "moves of places that are not there");
     }
     std::vector<PlaceMoves::Known> known;

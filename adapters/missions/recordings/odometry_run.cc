@@ -24,7 +24,7 @@ class ImuFeed {
   ImuFeed(const ImuRecording& recording, double begin) : samples_(recording.samples) {
     constexpr double kBefore = 0.5;  // [s]
     while (next_ < samples_.size() && samples_[next_].stamp < begin - kBefore) ++next_;
-    if (!samples_.empty()) seen_.emplace();
+    if (!samples_.empty()) seen_ = OdometryRun::Imu{};
   }
   void until(double stamp, PerceptionPipeline& perception) {
     if (!seen_) return;

@@ -135,6 +135,9 @@ Drawing axis_figure(const StudyPlan& plan, const std::vector<StudyRow>& rows, st
       const Drawing::Point p = panel.at(places.at[v], panel.y0);
       drawing.line({p, {p.x(), p.y() + 2.5}}, kAxis, 0.6);
       drawing.text(places.words[v], {p.x(), p.y() + kLine}, kFont, kText, Drawing::Anchor::kCenter);
+      const bool none = std::all_of(series.begin(), series.end(),
+                                    [&](const auto& one) { return values[one.second[v]].empty(); });
+      if (none) drawing.text("none", {p.x(), p.y() - 3.0}, kFont, kAxis, Drawing::Anchor::kCenter);
     }
     std::vector<std::size_t> order(places.at.size());
     std::iota(order.begin(), order.end(), std::size_t{0});

@@ -72,8 +72,8 @@ int run(int argc, char** argv, const prospect::LoadPlugin& load,
   std::vector<Command> commands;
   for (const auto add :
        {explore_command, drive_command, relay_command, report_command, export_command,
-        solve_command, bench_command, replay_command, study_command, inspect_command,
-        odometry_command, map_command, list_command, config_command}) {
+        solve_command, bench_command, replay_command, study_command, reproduce_command,
+        inspect_command, odometry_command, map_command, list_command, config_command}) {
     commands.push_back(add(app));
   }
   std::vector<std::string> plugins;

@@ -15,6 +15,7 @@ Command solve_command(CLI::App& program);
 Command bench_command(CLI::App& program);
 Command replay_command(CLI::App& program);
 Command study_command(CLI::App& program);
+Command reproduce_command(CLI::App& program);
 Command inspect_command(CLI::App& program);
 Command odometry_command(CLI::App& program);
 Command map_command(CLI::App& program);
