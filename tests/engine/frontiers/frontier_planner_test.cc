@@ -661,8 +661,10 @@ TEST(FrontierPlanner, SaysOfEachActiveFrontierHowItStands) {
         ++said[static_cast<std::size_t>(s.frontier)];
         ASSERT_EQ(s.area, f.area);
         ASSERT_EQ(s.why == Why::kLittle, f.area < options.least_area);
-        if (s.why == Why::kInOrder || s.why == Why::kLater) ASSERT_GT(s.time, 0.0);
-        if (s.why == Why::kInOrder) ASSERT_LT(s.time, FrontierStanding::kNone);
+        if (s.why == Why::kInOrder) {
+          ASSERT_GT(s.time, 0.0);
+          ASSERT_LT(s.time, FrontierStanding::kNone);
+        }
         if (n == 0) continue;
         const FrontierStanding& before = g->standings[n - 1];
         ASSERT_TRUE(s.why != Why::kInOrder || before.why == Why::kInOrder);
@@ -671,7 +673,9 @@ TEST(FrontierPlanner, SaysOfEachActiveFrontierHowItStands) {
       for (std::size_t k = 0; k < said.size(); ++k) {
         ASSERT_EQ(said[k], g->frontiers[k].active ? 1 : 0) << step;
       }
-      if (g->target) ASSERT_EQ(g->target->frontier, g->standings.front().frontier) << step;
+      if (g->target) {
+        ASSERT_EQ(g->target->frontier, g->standings.front().frontier) << step;
+      }
     }
     if (g->target) test::follow(*g, pose);
   }
