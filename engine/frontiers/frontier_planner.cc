@@ -204,7 +204,7 @@ TargetChange FrontierPlanner::reason_to_choose(const std::vector<Frontier>& fron
 
 // The path to each frontier, turning included, and whether there is any. Searched farther each
 // time, until what lies farther can be neither the present target nor among the leading candidates.
-void FrontierPlanner::measure_paths(const Pose& pose, const std::vector<Frontier>& frontiers,
+bool FrontierPlanner::measure_paths(const Pose& pose, const std::vector<Frontier>& frontiers,
                                     int current, bool all, const Prices& prices) {
   const GridFrame& frame = traversability_.frame();
   const double v_max = options_.cost_to_go.v_max;
@@ -230,10 +230,10 @@ void FrontierPlanner::measure_paths(const Pose& pose, const std::vector<Frontier
       if (k % 64 == 0) prices.pause();
       add_turn(pose, frontiers[k], path_to_[k]);
     }
-    if (limit == kInfinity) return;
+    if (limit == kInfinity) return true;
     const bool missed = current >= 0 && path_to_[static_cast<std::size_t>(current)].length > limit;
     if (!missed && nothing_farther_leads(pose.position.head<2>(), frontiers, limit, prices.pause)) {
-      return;
+      return false;
     }
     limit = limit >= kLastSearch * horizon ? kInfinity : 4.0 * limit;
   }
@@ -283,6 +283,7 @@ bool FrontierPlanner::nothing_farther_leads(const Eigen::Vector2d& robot,
 // that are worth their path whatever else lies on it.
 int FrontierPlanner::choose(const std::vector<Frontier>& frontiers, std::optional<int> present,
                             bool alone, const Prices& prices, FrontierFacts& facts) {
+  order_.clear();
   std::vector<FrontierCandidate> candidates;
   for (std::size_t k = 0; k < frontiers.size(); ++k) {
     const Frontier& f = frontiers[k];
@@ -311,7 +312,8 @@ int FrontierPlanner::choose(const std::vector<Frontier>& frontiers, std::optiona
   if (options_.rule) {
     const int chosen = options_.rule(candidates, present ? index_of(*present) : -1);
     if (chosen < 0 || chosen >= static_cast<int>(candidates.size())) return -1;
-    return candidates[static_cast<std::size_t>(chosen)].frontier;
+    order_ = {candidates[static_cast<std::size_t>(chosen)].frontier};
+    return order_.front();
   }
 
   const int mine = present ? index_of(*present) : -1;
@@ -384,15 +386,50 @@ int FrontierPlanner::choose(const std::vector<Frontier>& frontiers, std::optiona
     }
   }
   between = between.array() / options_.cost_to_go.v_max + options_.observation_time;  // [s]
-  const FrontierSequence best = best_sequence(candidates, between, options_.order);
-  if (best.order.empty()) return -1;
-  if (!alone && rate(best, candidates, between) < options_.least_rate) return -1;
+  FrontierSequence next = best_sequence(candidates, between, options_.order);
+  if (next.order.empty()) return -1;
+  if (!alone && rate(next, candidates, between) < options_.least_rate) return -1;
   if (own) {
-    const FrontierSequence kept =
+    FrontierSequence kept =
         best_sequence(candidates, between, options_.order, index_of(own->frontier));
-    if (best.value <= (1.0 + options_.commitment) * kept.value) return own->frontier;
+    if (next.value <= (1.0 + options_.commitment) * kept.value) next = std::move(kept);
   }
-  return candidates[static_cast<std::size_t>(best.order.front())].frontier;
+  for (const int n : next.order) {
+    order_.push_back(candidates[static_cast<std::size_t>(n)].frontier);
+  }
+  return order_.front();
+}
+
+std::vector<FrontierStanding> FrontierPlanner::standings(const std::vector<Frontier>& frontiers,
+                                                         int chosen, bool searched_all,
+                                                         const PausePoint& pause) const {
+  using Why = FrontierStanding::Why;
+  std::vector<FrontierStanding> all;
+  std::vector<char> ordered(frontiers.size(), 0);
+  const auto add = [&](std::size_t k, Why why) {
+    all.push_back({static_cast<int>(k), why, frontiers[k].area, path_to_[k].time});
+  };
+  if (chosen >= 0) {
+    for (const int k : order_) {
+      ordered[static_cast<std::size_t>(k)] = 1;
+      add(static_cast<std::size_t>(k), Why::kInOrder);
+    }
+  }
+  const Why no_path = searched_all ? Why::kNoPath : Why::kFarther;
+  const std::size_t first = all.size();
+  for (std::size_t k = 0; k < frontiers.size(); ++k) {
+    if (k % 512 == 0) pause();
+    const Frontier& f = frontiers[k];
+    if (!f.active || ordered[k]) continue;
+    const double least = options_.least_rate * path_to_[k].time;
+    add(k, f.area < options_.least_area        ? Why::kLittle
+           : !(path_to_[k].length < kInfinity) ? no_path
+           : f.area < least                    ? Why::kLowYield
+                                               : Why::kLater);
+  }
+  std::stable_sort(all.begin() + static_cast<std::ptrdiff_t>(first), all.end(),
+                   [](const auto& a, const auto& b) { return a.area > b.area; });
+  return all;
 }
 
 void FrontierPlanner::summarize_unresolved(const GroundMap& ground, const Pose& pose,
@@ -538,9 +575,10 @@ void FrontierPlanner::keep_or_change_target(const Pose& pose, double stamp, cons
   std::optional<int> present;  // that of now, which may still be the best
   if (reason == TargetChange::kBetter) present = current;
   int chosen = -1;
+  bool searched_all = false;
   // What is near first; where that is not worth its path, there may be what is, far away.
   for (const bool far : {false, true}) {
-    measure_paths(pose, frontiers, present.value_or(-1), far, prices);
+    searched_all = measure_paths(pose, frontiers, present.value_or(-1), far, prices);
     chosen = choose(frontiers, present, far, prices, facts);
     // The lattice of paths is coarse: what it reaches may still be out of reach.
     while (!set_goal(chosen, robot, prices) && chosen >= 0) {
@@ -550,6 +588,7 @@ void FrontierPlanner::keep_or_change_target(const Pose& pose, double stamp, cons
     if (chosen >= 0) break;
   }
   chosen_at_ = stamp;
+  global_plan.standings = standings(frontiers, chosen, searched_all, prices.pause);
   const double explored = traversability_.explored_area();
   const bool same = chosen >= 0 && chosen == current && target_;
   // A target that was left for a better one has not shown what it could.

@@ -16,6 +16,7 @@
 #include "engine/frontiers/cost_to_go.h"
 #include "engine/frontiers/cost_to_go_field.h"
 #include "engine/frontiers/frontier_order.h"
+#include "engine/frontiers/frontier_standing.h"
 #include "engine/frontiers/frontier_utility.h"
 #include "engine/frontiers/frontiers.h"
 #include "engine/frontiers/path_lengths.h"
@@ -92,8 +93,11 @@ struct GlobalPlan {
   std::shared_ptr<const CostToGo> cost_to_go;  ///< never null
   std::optional<FrontierTarget> target;        ///< none: nothing is reachable
   FrontierFacts facts;                         ///< what the behaviour is decided by
-  double explored_area = 0.0;                  ///< [m^2]
-  double milliseconds = 0.0;  ///< wall time of the update: a report, not an input to anything
+  /// Of a step that asked which frontier is next: all active ones, first those of the sequence in
+  /// its order, then the others by area. Else empty.
+  std::vector<FrontierStanding> standings;
+  double explored_area = 0.0;  ///< [m^2]
+  double milliseconds = 0.0;   ///< wall time of the update: a report, not an input to anything
 };
 
 /// Where to go next, and the cost-to-go there, from one planning step to the next:
@@ -200,13 +204,16 @@ class FrontierPlanner {
   bool is_priced(Cell c) const { return along_travel_.frame.contains(c); }
   int current_target(const std::vector<Frontier>& frontiers, const PausePoint& pause) const;
   TargetChange reason_to_choose(const std::vector<Frontier>& frontiers, int current, double stamp);
-  void measure_paths(const Pose& pose, const std::vector<Frontier>& frontiers, int current,
+  /// Whether all paths were searched.
+  bool measure_paths(const Pose& pose, const std::vector<Frontier>& frontiers, int current,
                      bool all, const Prices& prices);
   void add_turn(const Pose& pose, const Frontier& frontier, Path& path) const;
   bool nothing_farther_leads(const Eigen::Vector2d& robot, const std::vector<Frontier>& frontiers,
                              double limit, const PausePoint& pause) const;
   int choose(const std::vector<Frontier>& frontiers, std::optional<int> present, bool alone,
              const Prices& prices, FrontierFacts& facts);
+  std::vector<FrontierStanding> standings(const std::vector<Frontier>& frontiers, int chosen,
+                                          bool searched_all, const PausePoint& pause) const;
   void summarize_unresolved(const GroundMap& ground, const Pose& pose,
                             const std::vector<Frontier>& frontiers, FrontierFacts& facts,
                             const PausePoint& pause) const;
@@ -227,6 +234,7 @@ class FrontierPlanner {
   ExhaustionMonitor exhaustion_;
   Grid<float> along_travel_;           // features seen in the direction of travel, near the robot
   std::vector<Path> path_to_;          // each frontier, when the target was last chosen
+  std::vector<int> order_;             // frontiers of the best sequence, likewise
   std::vector<Eigen::Vector2d> been_;  // where the robot was while it was not lost, in W [m]
   std::vector<Closing> closings_;
   bool moved_ = false;          // the map since the last update

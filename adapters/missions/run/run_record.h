@@ -105,6 +105,9 @@ struct StepRecord {
   bool certified = false;
   std::string certificate;
   int active_frontiers = 0;
+  /// Those that are next and how many are not, and why; empty if it was not asked
+  /// (FrontierStanding)
+  std::string frontiers;
   int guard_stops = 0;
   std::optional<GuardReason> guard_reason;  ///< of the last of them; none: there are none
 

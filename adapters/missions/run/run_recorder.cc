@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <mutex>
+#include <string>
 #include <utility>
 
 #include "adapters/formats/images/image_codec.h"
@@ -15,9 +16,33 @@
 #include "engine/maps/correction.h"
 #include "engine/planner/planning_step.h"
 #include "engine/terms/builtin_terms.h"
+#include "models/formatted.h"
 
 namespace prospect {
 namespace {
+
+/// The target and the three after it, then how many of the others there are, by why they are not.
+std::string standings_text(const GlobalPlan& global_plan) {
+  constexpr std::size_t kNamed = 4;
+  using Why = FrontierStanding::Why;
+  constexpr Why kOthers[] = {Why::kLater, Why::kFarther, Why::kLowYield, Why::kLittle,
+                             Why::kNoPath};
+  const std::vector<FrontierStanding>& all = global_plan.standings;
+  std::string next, others;
+  for (std::size_t n = 0; n < std::min(kNamed, all.size()) && all[n].why == Why::kInOrder; ++n) {
+    const auto frontier = static_cast<std::size_t>(all[n].frontier);
+    const Eigen::Vector2d& at = global_plan.frontiers[frontier].centroid;
+    next += formatted("%s%.2f m2 in %.1f s at %.2f %.2f", n > 0 ? ", " : "", all[n].area,
+                      all[n].time, at.x(), at.y());
+  }
+  for (const Why why : kOthers) {
+    const auto count =
+        std::count_if(all.begin(), all.end(), [&](const auto& s) { return s.why == why; });
+    if (count == 0) continue;
+    others += (others.empty() ? "" : ", ") + std::to_string(count) + ' ' + std::string(name(why));
+  }
+  return next + (next.empty() || others.empty() ? "" : "; ") + others;
+}
 
 /// Cells whose state differs from what was last recorded.
 class MapChanges {
@@ -325,6 +350,7 @@ StepRecord RunRecorder::Impl::record_of(const MissionStep& step) {
   if (step.global_plan) {
     const GlobalPlan& global_plan = *step.global_plan;
     r.target_change = global_plan.facts.changed;
+    r.frontiers = standings_text(global_plan);
     if (global_plan.target) {
       r.target = TargetRecord{global_plan.target->viewpoint, global_plan.target->looks_at,
                               global_plan.facts.target_length, global_plan.facts.target_area,

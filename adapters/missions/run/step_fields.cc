@@ -273,6 +273,12 @@ constexpr StepField kStepFields[] = {
           [](auto& s) { return &s.certified; }),
     field("active_frontiers", "", kShown, 30, "frontiers that still attract",
           [](auto& s) { return &s.active_frontiers; }),
+    field(
+        "frontiers", "", kShown, 70,
+        "of a step that asked [which is next](frontiers.md#order-what-comes-next): the target and "
+        "three after it; then how many of the others are `later`, `farther`, of `low yield`, "
+        "promise too `little`, have `no path`",
+        [](auto& s) { return &s.frontiers; }),
     field("guard_stops", "", kShown, 38, "commands that the guard replaced since the step before",
           [](auto& s) { return &s.guard_stops; }),
     field("guard_reason", "", kShown, 39,

@@ -997,7 +997,13 @@ const nowFields = (() => {
   add("Localization", (k) => `${word.localization[k]}, error ${fixed(column.localization_error[k], 3)} m`,
     { tone: (k) => ({ degraded: "warn", lost: "bad" })[word.localization[k]] || "" });
   add("Features, predicted", (k) => `${fixed(column.tracked_features[k], 0)}, ${fixed(column.predicted_features[k], 0)}`);
-  add("Frontiers", (k) => `${fixed(column.active_frontiers[k], 0)} active`);
+  // What was said when it was last asked which is next.
+  add("Frontiers", (k) => {
+    let asked = k;
+    while (asked > 0 && !word.frontiers[asked]) --asked;
+    const said = word.frontiers[asked] ? `: ${word.frontiers[asked].replaceAll("m2", "m²")}` : "";
+    return `${fixed(column.active_frontiers[k], 0)} active${said}`;
+  }, { wide: true });
   add("Collisions", (k) => fixed(column.collisions[k], 0), { tone: (k) => (column.collisions[k] > 0 ? "bad" : "") });
   add("Plan", (k) => word.plan_kind[k] + (word.seed[k] ? `, from ${readable(word.seed[k])}` : ""),
     { wide: true, tone: (k) => (word.plan_kind[k] === "stopping tail" ? "warn" : "") });

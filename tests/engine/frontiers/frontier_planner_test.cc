@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <random>
 #include <string>
 #include <vector>
@@ -632,6 +633,57 @@ TEST(FrontierPlanner, ARoomFartherOffComesBeforeASliverNearBy) {
 }
 
 // Two ways that are worth alike: it goes on, and says why it changes its mind when it does.
+TEST(FrontierPlanner, SaysOfEachActiveFrontierHowItStands) {
+  using Why = FrontierStanding::Why;
+  std::mt19937_64 random(15);
+  const auto world = test::GroundWorld::rooms(16.0, 0.1, 40, random);
+  const Cell start = world.open_cell(4, random);
+  GroundMap map(GridFrame{0.1, start.i, start.j, 1, 1});
+  const FrontierPlannerOptions options;
+  FrontierPlanner frontier_planner(options);
+  const Eigen::Vector2d p0 = world.truth.frame.center(start);
+  Pose pose{{p0.x(), p0.y(), 0.0}, 0.0};
+  std::map<Why, int> met;
+  int asked = 0, silent = 0;
+  for (int step = 0; step < 400; ++step) {
+    world.sense(pose, 4.0, 1.05, map);
+    const auto g = frontier_planner.update(map, pose, 0.5 * step);
+    if (g->standings.empty()) {
+      ++silent;
+      EXPECT_EQ(g->facts.changed, TargetChange::kNone) << step;
+    } else {
+      ++asked;
+      std::vector<int> said(g->frontiers.size(), 0);
+      for (std::size_t n = 0; n < g->standings.size(); ++n) {
+        const FrontierStanding& s = g->standings[n];
+        const Frontier& f = g->frontiers[static_cast<std::size_t>(s.frontier)];
+        ++met[s.why];
+        ++said[static_cast<std::size_t>(s.frontier)];
+        ASSERT_EQ(s.area, f.area);
+        ASSERT_EQ(s.why == Why::kLittle, f.area < options.least_area);
+        if (s.why == Why::kInOrder) {
+          ASSERT_GT(s.time, 0.0);
+          ASSERT_LT(s.time, FrontierStanding::kNone);
+        }
+        if (n == 0) continue;
+        const FrontierStanding& before = g->standings[n - 1];
+        ASSERT_TRUE(s.why != Why::kInOrder || before.why == Why::kInOrder);
+        ASSERT_TRUE(s.why == Why::kInOrder || before.why == Why::kInOrder || before.area >= s.area);
+      }
+      for (std::size_t k = 0; k < said.size(); ++k) {
+        ASSERT_EQ(said[k], g->frontiers[k].active ? 1 : 0) << step;
+      }
+      if (g->target) {
+        ASSERT_EQ(g->target->frontier, g->standings.front().frontier) << step;
+      }
+    }
+    if (g->target) test::follow(*g, pose);
+  }
+  EXPECT_GT(asked, 20);
+  EXPECT_GT(silent, 20);
+  for (const Why why : {Why::kInOrder, Why::kLater, Why::kLittle}) EXPECT_GT(met[why], 0);
+}
+
 TEST(FrontierPlanner, StaysWithItsTargetUntilThereIsAReason) {
   GroundMap map(GridFrame{0.1, 0, 0, 130, 40});
   for (int j = 10; j < 31; ++j) {

@@ -137,6 +137,7 @@ StepRecord plain_step() {
   s.certified = true;
   s.certificate = "clear, 0.21 m \"or more\"\nall along";
   s.active_frontiers = 2;
+  s.frontiers = "1.20 m2 in 8.4 s at 1.00 2.00; 3 little";
   s.guard_stops = 1;
   s.guard_reason = GuardReason::kMap;
   s.mode = ModeKind::kApproach;
@@ -168,14 +169,14 @@ TEST_F(RunFolderTest, WritesAStepByHand) {
       "command_vy,command_omega,plan_kind,seed,cost,violation,term_control_effort,"
       "term_clearance,predicted_features,tracked_features,localization,localization_error,"
       "coverage,area,path_length,collisions,clearance,cost_evaluations,"
-      "gradient_evaluations,stop_reason,quality,certified,active_frontiers,"
+      "gradient_evaluations,stop_reason,quality,certified,active_frontiers,frontiers,"
       "guard_stops,guard_reason,task,goal_x,goal_y,goal_yaw,mode,cause,mode_since,caution,target_"
       "change,target_x,target_y,"
       "looks_x,looks_y,target_length,target_area,way_left,seeds_scored,features_weight,rejected,"
       "weight_asked_control_effort,weight_control_effort,certificate,why\n"
       "3,1.5,1.25,-2,0.1,1.5,-2.5,3.141592653589793,0.4,0,-0.3,optimised,tail,7.5,0,2,0.1,"
       "41.5,39,ok,0.0625,0.25,12.5,8,0,0.3,90,30,converged,feasible optimum,1,"
-      "2,1,map,go to,4.5,-0.25,,approach,no "
+      "2,1.20 m2 in 8.4 s at 1.00 2.00; 3 little,1,map,go to,4.5,-0.25,,approach,no "
       "progress,1.25,normal,seen,2,-1.5,3.5,-1,"
       "0.75,0.25,1.125,26,1.5,arc 1.25 refused; turn 8 not tried,"
       "2.5,2,\"clear, 0.21 m \"\"or more\"\" all along\","

@@ -6,6 +6,8 @@
 
 #include <memory>
 #include <stdexcept>
+#include <utility>
+#include <vector>
 
 #include "adapters/missions/config/configuration.h"
 #include "engine/frontiers/frontier_planner.h"
@@ -54,6 +56,42 @@ TEST(RunRecorder, OfALongRunOnlySomeStepsHoldMemoryForTheirPlans) {
       ASSERT_EQ(step.candidates.capacity(), 0) << step.step;
     }
   }
+}
+
+TEST(RunRecorder, FrontiersAreTheTargetThreeAfterItAndWhyNotTheOthers) {
+  using Why = FrontierStanding::Why;
+  const Configuration configuration = read_configuration("");
+  Belief belief;
+  belief.ground = std::make_shared<const GroundMap>(GridFrame{0.1, 0, 0, 10, 10});
+  GlobalPlan global_plan;
+  global_plan.cost_to_go = std::make_shared<const CostToGo>();
+  global_plan.frontiers.resize(9);
+  global_plan.frontiers[2].centroid = {1.5, -2.0};
+  const Plan plan;
+  const auto said = [&](std::vector<FrontierStanding> standings) {
+    global_plan.standings = std::move(standings);
+    RunRecorder recorder(configuration);
+    MissionStep step;
+    step.belief = &belief;
+    step.plan = &plan;
+    step.global_plan = &global_plan;
+    recorder.on_step(step);
+    return recorder.finish({}, "a world", nullptr, nullptr).steps.at(0).frontiers;
+  };
+  EXPECT_EQ(said({}), "");
+  EXPECT_EQ(said({{2, Why::kInOrder, 3.2, 8.44}}), "3.20 m2 in 8.4 s at 1.50 -2.00");
+  EXPECT_EQ(
+      said({{0, Why::kLittle, 0.01, 3.0}, {1, Why::kNoPath, 0.0}, {2, Why::kLittle, 0.0, 1.0}}),
+      "2 little, 1 no path");
+  EXPECT_EQ(said({{2, Why::kInOrder, 3.0, 8.0},
+                  {3, Why::kInOrder, 2.0, 9.0},
+                  {4, Why::kInOrder, 1.0, 10.0},
+                  {5, Why::kInOrder, 0.5, 11.0},
+                  {6, Why::kInOrder, 0.4, 12.0},
+                  {7, Why::kLater, 0.3, 13.0},
+                  {8, Why::kLowYield, 0.2, 50.0}}),
+            "3.00 m2 in 8.0 s at 1.50 -2.00, 2.00 m2 in 9.0 s at 0.00 0.00, 1.00 m2 in 10.0 s at "
+            "0.00 0.00, 0.50 m2 in 11.0 s at 0.00 0.00; 1 later, 1 low yield");
 }
 
 // A term of a user may have any name.
