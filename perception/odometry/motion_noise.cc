@@ -145,11 +145,14 @@ void MotionNoise::enter(Fits& fits, const Frame& over, const Matrix6d& claimed) 
 }
 
 std::optional<OdometryNoise> MotionNoise::noise() const {
-  const bool measured = claims(measured_) >= kLeastClaims;
-  if (!measured && !(claims(ahead_) > 0.0)) return std::nullopt;
   OdometryNoise noise = assumed_;
-  const Fits& fits = measured ? measured_ : ahead_;
-  const Vector3d &position = fits.position.solved(), &yaw = fits.yaw.solved();
+  if (claims(measured_) < kLeastClaims) {
+    if (!(claims(ahead_) > 0.0)) return std::nullopt;
+    // One motion shows what the calibration leaves to the scale, not how errors walk.
+    noise.scale = kScaleUnit * std::sqrt(ahead_.position.solved()[2]);
+    return noise;
+  }
+  const Vector3d &position = measured_.position.solved(), &yaw = measured_.yaw.solved();
   noise.position_per_metre *= std::sqrt(position[0]);
   noise.position_per_radian *= std::sqrt(position[1]);
   noise.scale = kScaleUnit * std::sqrt(position[2]);

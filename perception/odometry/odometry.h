@@ -117,8 +117,8 @@ class Odometry {
     return std::nullopt;
   }
 
-  /// A motion along C's axis by a tenth of the distance of what is in view, as the landmarks that are
-  /// there would measure it. Nothing where it is not known.
+  /// A motion along C's axis by a tenth of the distance of what is in view, as the landmarks that
+  /// are there would measure it. Nothing where it is not known.
   virtual std::optional<MotionAhead> motion_ahead() const { return std::nullopt; }
 
   /// Landmarks of what moves against the world at the newest frame, and of the world, in C.

@@ -108,7 +108,8 @@ struct StereoOdometry::Impl {
         as_by_imu({kLeftByImu * options.motion.acceleration,
                    kLeftByImu * options.motion.turn_acceleration}),
         time_offset(options.time_offset),
-        drift(calibration_covariance(options.calibration, options.disparity_offset.prior_sigma)),
+        drift(calibration_covariance(options.calibration,
+                                     options.disparity_offset.prior_sigma(camera.left.fx))),
         survival(options.survival) {
     camera.sigma_u = camera.sigma_v = options.sigma_corner;
     camera.sigma_d = options.sigma_disparity;
@@ -407,7 +408,7 @@ struct StereoOdometry::Impl {
 
   /// What the newest pose says about the disparity offset; then all landmarks move with it.
   void update_offset(const PoseEstimate& pose) {
-    const double prior = options.disparity_offset.prior_sigma;
+    const double prior = options.disparity_offset.prior_sigma(camera.left.fx);
     if (!(prior > 0.0)) return;
     const TrackObservations seen = observations();
     const Vector3d here = pose.T_CW.inverse().translation();
