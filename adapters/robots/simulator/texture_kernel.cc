@@ -26,19 +26,36 @@ PROSPECT_FORCE_INLINE float rough_log2(float x) {
   return static_cast<float>(std::bit_cast<std::int32_t>(x)) * 0x1p-23f - 127.0f;
 }
 
+// A place within a level: of its upper left texel, and how far from it towards the others, in
+// 256ths: whole numbers are quicker here than floating point.
+struct Place {
+  std::int32_t at, right, below;
+};
+
 // Of 0 <= u, v <= 1, in the level `l`.
-PROSPECT_FORCE_INLINE float bilinear(const TexturePyramid::Texels& t, std::int32_t l, float u,
+PROSPECT_FORCE_INLINE Place place_of(const TexturePyramid::Texels& t, std::int32_t l, float u,
                                      float v) {
-  // Within the padded level: texel (0, 0) is at (1, 1), and its centre half a texel further. In
-  // 256ths of a texel: whole numbers are quicker here than floating point.
+  // Within the padded level: texel (0, 0) is at (1, 1), and its centre half a texel further.
   const auto x = static_cast<std::int32_t>(u * t.columns[l] + kHalfAndRounding);
   const auto y = static_cast<std::int32_t>(v * t.rows[l] + kHalfAndRounding);
-  const std::int32_t a = x & 255, b = y & 255;
-  const std::uint32_t four = t.four[t.offset[l] + (y >> 8) * t.stride[l] + (x >> 8)];
+  return {t.offset[l] + (y >> 8) * t.stride[l] + (x >> 8), x & 255, y & 255};
+}
+
+// The four texels there, bytes from the lowest on: upper left, upper right, lower left, lower
+// right.
+PROSPECT_FORCE_INLINE std::uint32_t four_at(const TexturePyramid::Texels& t, std::int32_t l,
+                                            std::int32_t at) {
+  const std::uint8_t* upper = t.grey + at;
+  const std::uint8_t* lower = upper + t.stride[l];
+  return static_cast<std::uint32_t>(upper[0] | upper[1] << 8 | lower[0] << 16) |
+         static_cast<std::uint32_t>(lower[1]) << 24;
+}
+
+PROSPECT_FORCE_INLINE float between(std::uint32_t four, std::int32_t right, std::int32_t below) {
   const auto at = [&](int n) { return static_cast<std::int32_t>((four >> n) & 255u); };
-  const std::int32_t upper = at(0) * (256 - a) + at(8) * a;
-  const std::int32_t lower = at(16) * (256 - a) + at(24) * a;
-  return static_cast<float>(upper * (256 - b) + lower * b) * 0x1p-16f;
+  const std::int32_t upper = at(0) * (256 - right) + at(8) * right;
+  const std::int32_t lower = at(16) * (256 - right) + at(24) * right;
+  return static_cast<float>(upper * (256 - below) + lower * below) * 0x1p-16f;
 }
 
 // Where to look: for each pixel, taps along (ds, dt) about (s, t), between two levels.
@@ -92,16 +109,19 @@ PROSPECT_FORCE_INLINE void find_footprints(const TexturedView& view, const float
   }
 }
 
-PROSPECT_FORCE_INLINE float tap(const TexturePyramid::Texels& texels, float k, float share, float s,
-                                float t, float ds, float dt, std::int32_t fine, std::int32_t coarse,
-                                float fraction) {
-  const float offset = (k + 0.5f) * share - 0.5f;
-  s += offset * ds;
-  t += offset * dt;
-  s -= whole_below(s);
-  t -= whole_below(t);
-  const float a = bilinear(texels, fine, s, t), b = bilinear(texels, coarse, s, t);
-  return a + fraction * (b - a);
+// Look-ups of all pixels in one level. Reading bytes is no work for vectors; all else is.
+PROSPECT_FORCE_INLINE void look_up(const TexturePyramid::Texels& texels, const std::int32_t* level,
+                                   const float* s, const float* t, float* grey) {
+  alignas(64) std::int32_t at[kPacketPixels], right[kPacketPixels], below[kPacketPixels];
+  alignas(64) std::uint32_t four[kPacketPixels];
+  for (int n = 0; n < kPacketPixels; ++n) {
+    const Place place = place_of(texels, level[n], s[n], t[n]);
+    at[n] = place.at;
+    right[n] = place.right;
+    below[n] = place.below;
+  }
+  for (int n = 0; n < kPacketPixels; ++n) four[n] = four_at(texels, level[n], at[n]);
+  for (int n = 0; n < kPacketPixels; ++n) grey[n] = between(four[n], right[n], below[n]);
 }
 
 PROSPECT_FORCE_INLINE void grey_body(const TexturedView& view, const float* us, const float* vs,
@@ -112,10 +132,18 @@ PROSPECT_FORCE_INLINE void grey_body(const TexturedView& view, const float* us, 
   for (int n = 0; n < kPacketPixels; ++n) most = at.taps[n] > most ? at.taps[n] : most;
   alignas(64) float sum[kPacketPixels] = {};
   const TexturePyramid::Texels texels = view.texels;
+  alignas(64) float s[kPacketPixels], t[kPacketPixels], a[kPacketPixels], b[kPacketPixels];
   for (float k = 0.0f; k < most; k += 1.0f) {
     for (int n = 0; n < kPacketPixels; ++n) {
-      const float value = tap(texels, k, 1.0f / at.taps[n], at.s[n], at.t[n], at.ds[n], at.dt[n],
-                              at.fine[n], at.coarse[n], at.fraction[n]);
+      const float offset = (k + 0.5f) * (1.0f / at.taps[n]) - 0.5f;
+      const float along_s = at.s[n] + offset * at.ds[n], along_t = at.t[n] + offset * at.dt[n];
+      s[n] = along_s - whole_below(along_s);
+      t[n] = along_t - whole_below(along_t);
+    }
+    look_up(texels, at.fine, s, t, a);
+    look_up(texels, at.coarse, s, t, b);
+    for (int n = 0; n < kPacketPixels; ++n) {
+      const float value = a[n] + at.fraction[n] * (b[n] - a[n]);
       sum[n] += static_cast<float>(k < at.taps[n]) * value;
     }
   }
@@ -154,9 +182,16 @@ float mean_along(const TexturePyramid::Texels& texels, float level, float u, flo
   const float fraction = below ? level - static_cast<float>(fine) : 0.0f;
   const float share = 1.0f / static_cast<float>(taps);
   float sum = 0.0f;
+  const auto bilinear = [&](std::int32_t l, float s, float t) {
+    const Place place = place_of(texels, l, s, t);
+    return between(four_at(texels, l, place.at), place.right, place.below);
+  };
   for (int k = 0; k < taps; ++k) {
-    sum += tap(texels, static_cast<float>(k), share, u, v, du, dv, fine, std::min(fine + 1, last),
-               fraction);
+    const float offset = (static_cast<float>(k) + 0.5f) * share - 0.5f;
+    const float s = u + offset * du, t = v + offset * dv;
+    const float a = bilinear(fine, s - whole_below(s), t - whole_below(t));
+    const float b = bilinear(std::min(fine + 1, last), s - whole_below(s), t - whole_below(t));
+    sum += a + fraction * (b - a);
   }
   return sum * share;
 }

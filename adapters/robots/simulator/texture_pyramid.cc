@@ -32,7 +32,7 @@ TexturePyramid::TexturePyramid(const Image& image) : width_(image.width), height
     width = (width + 1) / 2;
     height = (height + 1) / 2;
   }
-  four_.resize(size);
+  texels_.resize(size);
   cv::Mat current(image.height, image.width, CV_8UC1,
                   const_cast<std::uint8_t*>(image.pixels.data()));
   for (std::size_t level = 0; level < columns_.size(); ++level) {
@@ -42,16 +42,12 @@ TexturePyramid::TexturePyramid(const Image& image) : width_(image.width), height
                  cv::INTER_AREA);
       current = smaller;
     }
-    const int w = current.cols, h = current.rows;
-    const auto at = [&](int x, int y) -> std::uint32_t {
-      return current.at<std::uint8_t>((y + h) % h, (x + w) % w);
-    };
-    std::uint32_t* to = four_.data() + offset_[level];
-    for (int y = -1; y <= h; ++y) {
-      for (int x = -1; x <= w; ++x) {
-        // Of what lies beyond the last row and column no look-up reads.
-        *to++ = at(x, y) | at(x + 1, y) << 8 | at(x, y + 1) << 16 | at(x + 1, y + 1) << 24;
-      }
+    std::uint8_t* to = texels_.data() + offset_[level];
+    for (int y = -1; y <= current.rows; ++y) {
+      const std::uint8_t* from = current.ptr<std::uint8_t>((y + current.rows) % current.rows);
+      *to++ = from[current.cols - 1];
+      to = std::copy_n(from, current.cols, to);
+      *to++ = from[0];
     }
   }
 }

@@ -29,26 +29,23 @@ class TexturePyramid {
   float mean_along(float level, float u, float v, float du, float dv, int taps) const;
 
   /// What kernels read (texture_kernel.h). Of each level: its size in 256ths of a texel, the texels
-  /// from row to row, and its first one's place. A texel comes with those that follow it in its row
-  /// and in the next one, so that one read gives all four that a bilinear look-up needs: bytes of
-  /// (x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1) from the lowest on. Around a level stands a
-  /// texel of the other side.
+  /// from row to row, and its first one's place. Around a level stands a texel of the other side.
   struct Texels {
     const float *columns, *rows;
     const std::int32_t *stride, *offset;
-    const std::uint32_t* four;
+    const std::uint8_t* grey;
     std::int32_t levels;
   };
   Texels texels() const {
-    return {columns_.data(), rows_.data(), stride_.data(),
-            offset_.data(),  four_.data(), static_cast<std::int32_t>(levels())};
+    return {columns_.data(), rows_.data(),   stride_.data(),
+            offset_.data(),  texels_.data(), static_cast<std::int32_t>(levels())};
   }
 
  private:
   int width_ = 0, height_ = 0;
   std::vector<float> columns_, rows_;
   std::vector<std::int32_t> stride_, offset_;
-  std::vector<std::uint32_t> four_;
+  std::vector<std::uint8_t> texels_;
 };
 
 }  // namespace prospect
