@@ -32,6 +32,34 @@ void MotionNoise::Fit::add(const Vector3d& shares, double ratio) {
   claims_.push_back({shares, ratio, 1.0});
 }
 
+double MotionNoise::Fit::fit(Vector3d& x, double f) const {
+  // Each step multiplies, so nothing becomes negative, and lowers the sum (Fevotte and Idier 2011).
+  constexpr int kSteps = 200;
+  constexpr double kDone = 1e-4, kRounding = 1e-9;
+  Vector3d up, down;
+  for (int step = 0; step < kSteps; ++step) {
+    up.setZero();
+    down.setZero();
+    const auto enter = [&](const Vector3d& shares, double ratio, double weight) {
+      const double one_over = weight / shares.dot(x);
+      down += one_over * shares;
+      up += one_over * ratio / shares.dot(x) * shares;
+    };
+    for (const Claim& claim : claims_) enter(claim.shares, claim.ratio, claim.weight);
+    enter(Vector3d::UnitX(), f, kAssumed * count_);
+    enter(Vector3d::UnitY(), f, kAssumed * count_);
+    double change = 0.0;
+    for (int i = 0; i < 3; ++i) {
+      if (!(x[i] > 0.0)) continue;
+      const double factor = std::sqrt(up[i] / down[i]);
+      x[i] *= factor;
+      change = std::max(change, std::abs(factor - 1.0));
+    }
+    if (change < kDone) break;
+  }
+  return up[2] - (1.0 + kRounding) * down[2];
+}
+
 void MotionNoise::Fit::finish() {
   double ratios = 0.0, along = 0.0, scaled = 0.0;
   count_ = 0.0;
@@ -46,30 +74,16 @@ void MotionNoise::Fit::finish() {
   }
   if (!(count_ > 0.0)) return;
   const double f = ratios / count_;
-  // Each step multiplies, so nothing becomes negative, and lowers the sum (Fevotte and Idier 2011).
-  // What has come near zero could not leave it.
-  constexpr int kSteps = 200;
-  constexpr double kDone = 1e-4, kLeast = 1e-3;
-  const Vector3d guess(f, f, scaled > 0.0 ? along / scaled : 0.0);
-  x_ = x_[0] > 0.0 ? Vector3d(x_.cwiseMax(kLeast * guess)) : guess;
-  for (int step = 0; step < kSteps; ++step) {
-    Vector3d up = Vector3d::Zero(), down = Vector3d::Zero();
-    const auto enter = [&](const Vector3d& shares, double ratio, double weight) {
-      const double one_over = weight / shares.dot(x_);
-      down += one_over * shares;
-      up += one_over * ratio / shares.dot(x_) * shares;
-    };
-    for (const Claim& claim : claims_) enter(claim.shares, claim.ratio, claim.weight);
-    enter(Vector3d::UnitX(), f, kAssumed * count_);
-    enter(Vector3d::UnitY(), f, kAssumed * count_);
-    double change = 0.0;
-    for (int i = 0; i < 3; ++i) {
-      const double factor = down[i] > 0.0 ? std::sqrt(up[i] / down[i]) : 1.0;
-      x_[i] *= factor;
-      change = std::max(change, std::abs(factor - 1.0));
-    }
-    if (change < kDone) break;
+  // Without an error of the scale, unless it makes the claims likelier.
+  Vector3d x(x_[0] > 0.0 ? x_[0] : f, x_[0] > 0.0 ? x_[1] : f, 0.0);
+  const double missed = fit(x, f);
+  if (missed > 0.0) {
+    constexpr double kLeast = 1e-3;  // of the largest; what has come near zero could not leave it
+    const double most = along / scaled;
+    x[2] = x_[2] > 0.0 ? std::max(x_[2], kLeast * most) : most;
+    fit(x, f);
   }
+  x_ = x;
   for (Claim& claim : claims_) claim.weight *= 1.0 - 1.0 / kMemory;
   while (!claims_.empty() && claims_.front().weight < kForgotten) claims_.pop_front();
 }

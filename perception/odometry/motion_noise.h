@@ -32,9 +32,9 @@ namespace prospect {
 /// must not drown them. Of yaw the same without w. reference_count and floor_count are as assumed.
 /// Older claims count less and less, 1/e after 100 frames, and not at all after 300.
 ///
-/// Before five claims count, what the odometry claims of a motion that is to come stands for them
-/// (Odometry::motion_ahead): one that begins in motion knows the scale as well as its calibration
-/// does, and no better.
+/// Before five claims count, the walk is as assumed, and w what the odometry would claim of a
+/// motion that is to come (Odometry::motion_ahead): one that begins in motion knows the scale as
+/// well as its calibration does, and no better.
 ///
 /// Deterministic. Not thread-safe.
 class MotionNoise {
@@ -65,6 +65,8 @@ class MotionNoise {
       Eigen::Vector3d shares;
       double ratio, weight;
     };
+    /// What is not zero of x, from there; returns what w, if it is zero, would gain [any unit].
+    double fit(Eigen::Vector3d& x, double f) const;
     std::deque<Claim> claims_;
     Eigen::Vector3d x_ = Eigen::Vector3d::Zero();
     double count_ = 0.0;  ///< of those without w
