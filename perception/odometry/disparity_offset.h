@@ -7,9 +7,10 @@ class Knobs;
 
 /// How the error of the disparities' zero is estimated on the way (drift_measurement.h).
 struct DisparityOffsetOptions {
-  /// [px] of a calibration: that of three real cameras is wrong by 0.6 px RMS. 0: the offset is
-  /// not estimated.
-  double prior_sigma = 0.6;
+  /// [mrad] by which the cameras may have turned towards each other since their calibration: three
+  /// real pairs by 0.9 RMS. An angle, for one rig's pixels are not another's. 0: the offset is not
+  /// estimated.
+  double prior_angle = 0.9;
   /// [px] by which it may wander from one update to the next.
   double walk_sigma = 0.01;
   /// A landmark speaks once the camera has moved by this share of its depth since it was made. So
@@ -17,6 +18,9 @@ struct DisparityOffsetOptions {
   double min_baseline = 0.1;
   int min_points = 25;
   double max_offset = 2.0;  ///< [px]
+
+  /// Of the disparities before any motion was seen [px]; `focal_length` [px].
+  double prior_sigma(double focal_length) const { return 1e-3 * prior_angle * focal_length; }
 };
 
 /// The knobs (models/knobs.h).

@@ -69,6 +69,13 @@ struct LandmarkSighting {
   bool made = false;     ///< at this frame; then it is tracked
 };
 
+/// What an odometry would claim of a motion that is to come.
+struct MotionAhead {
+  Eigen::Isometry3d T_CC = Eigen::Isometry3d::Identity();  ///< C then, in C now
+  Eigen::Matrix<double, 6, 6> covariance;                  ///< as of covariance_since()
+  int tracked = 0;                                         ///< landmarks that it would see
+};
+
 /// Visual odometry: rectified stereo pairs in, poses of the left camera C and landmarks out, both
 /// in W. What fusion, mapping and the planner's belief are made from asks no more of it.
 ///
@@ -109,6 +116,10 @@ class Odometry {
     (void)frames;
     return std::nullopt;
   }
+
+  /// A motion along C's axis by a tenth of the distance of what is in view, as the landmarks that
+  /// are there would measure it. Nothing where it is not known.
+  virtual std::optional<MotionAhead> motion_ahead() const { return std::nullopt; }
 
   /// Landmarks of what moves against the world at the newest frame, and of the world, in C.
   virtual MotionInView motion_in_view() const { return {}; }

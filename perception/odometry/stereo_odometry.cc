@@ -108,7 +108,8 @@ struct StereoOdometry::Impl {
         as_by_imu({kLeftByImu * options.motion.acceleration,
                    kLeftByImu * options.motion.turn_acceleration}),
         time_offset(options.time_offset),
-        drift(calibration_covariance(options.calibration, options.disparity_offset.prior_sigma)),
+        drift(calibration_covariance(options.calibration,
+                                     options.disparity_offset.prior_sigma(camera.left.fx))),
         survival(options.survival) {
     camera.sigma_u = camera.sigma_v = options.sigma_corner;
     camera.sigma_d = options.sigma_disparity;
@@ -407,7 +408,7 @@ struct StereoOdometry::Impl {
 
   /// What the newest pose says about the disparity offset; then all landmarks move with it.
   void update_offset(const PoseEstimate& pose) {
-    const double prior = options.disparity_offset.prior_sigma;
+    const double prior = options.disparity_offset.prior_sigma(camera.left.fx);
     if (!(prior > 0.0)) return;
     const TrackObservations seen = observations();
     const Vector3d here = pose.T_CW.inverse().translation();
@@ -801,6 +802,48 @@ std::optional<Matrix6d> StereoOdometry::covariance_since(int frames) const {
   if (then == remembered.end()) return std::nullopt;
   return impl_->drift.since(of_frame(then->first), now->second.T_CW * then->second.T_CW.inverse()) +
          impl_->second.covariance_since(then->second.second, now->second.T_CW);
+}
+
+std::optional<MotionAhead> StereoOdometry::motion_ahead() const {
+  const Impl& now = *impl_;
+  if (!now.remembered.contains(now.frame)) return std::nullopt;
+  constexpr double kShare = 0.1;  // of the distance
+  std::vector<double> depths;
+  for (const Track& t : now.tracks) {
+    if (t.tracked && !t.moving) depths.push_back((now.trusted.T_CW * t.position).z());
+  }
+  if (depths.empty()) return std::nullopt;
+  MotionAhead ahead;
+  ahead.T_CC.translation().z() = kShare * median(depths);
+  PoseEstimate pose;
+  pose.T_CW = ahead.T_CC.inverse() * now.trusted.T_CW;
+  std::vector<Track> tracks;
+  for (Track t : now.tracks) {
+    if (!t.tracked || t.moving) continue;
+    const auto seen = predict_track(t, pose.T_CW, now.camera, now.options.max_scale);
+    if (!seen) continue;
+    t.left = seen->pixel;
+    t.has_right = false;
+    // A patch that was not sought yet: what its texture left to the disparity is of both images.
+    if (t.left_covariance.isZero(0.0)) {
+      t.left_covariance = 0.5 * t.disparity_variance * Eigen::Matrix2d::Identity();
+    }
+    tracks.push_back(std::move(t));
+  }
+  const TrackObservations seen = observe_tracks(
+      tracks, {now.options.sigma_corner, now.options.sigma_corner, now.options.sigma_disparity},
+      now.offset);
+  pose.inlier.assign(seen.index.size(), 1);
+  for (const PointObservation& o : seen.seen) pose.measured.push_back(o.measured);
+  ahead.tracked = static_cast<int>(seen.index.size());
+  if (ahead.tracked < now.options.lost_points) return std::nullopt;
+  PoseDrift drift = now.drift;
+  drift.measure(DriftMeasurement(now.camera, tracks, seen, pose, now.options.pose,
+                                 now.options.shared_errors, now.noise.variance())
+                    .of_pose());
+  ahead.covariance = drift.since(of_frame(now.frame), ahead.T_CC.inverse());
+  if (!ahead.covariance.allFinite()) return std::nullopt;
+  return ahead;
 }
 
 }  // namespace prospect

@@ -56,6 +56,9 @@ class StereoOdometry final : public Odometry {
   /// frames.
   std::optional<Eigen::Matrix<double, 6, 6>> covariance_since(int frames) const override;
 
+  /// Nothing where the newest pose was not measured.
+  std::optional<MotionAhead> motion_ahead() const override;
+
   /// Of what moves those that are found, or were in one of the max_misses frames before: then where
   /// they are if they went on.
   MotionInView motion_in_view() const override;

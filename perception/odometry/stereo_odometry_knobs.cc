@@ -27,8 +27,8 @@ void describe(Knobs& knobs, CornerDetectorOptions& o) {
 }
 
 void describe(Knobs& knobs, DisparityOffsetOptions& o) {
-  knobs.number("prior_sigma", o.prior_sigma, {0.0, 10.0}, "px",
-               "error of the calibration's disparities; 0: it is not estimated");
+  knobs.number("prior_angle", o.prior_angle, {0.0, 100.0}, "mrad",
+               "turn of the cameras towards each other; 0: it is not estimated");
   knobs.number("walk_sigma", o.walk_sigma, {0.0, 10.0}, "px",
                "by which it may wander from one update to the next");
   knobs.number("min_baseline", o.min_baseline, {0.001, 10.0}, "1",

@@ -51,6 +51,9 @@ const std::vector<RenamedKey>& renamed_keys() {
 
 const std::vector<GoneKey>& gone_keys() {
   static const std::vector<GoneKey> keys = {
+      {"perception.odometry.disparity_offset.prior_sigma", "0.3",
+       "perception.odometry.disparity_offset.prior_angle is the same over the focal length, in "
+       "mrad"},
       {"perception.odometry.disparity_offset.trust", "0.5",
        "perception.odometry.shared_errors says what errors share"},
       {"perception.odometry.corners.min_strength", "3",

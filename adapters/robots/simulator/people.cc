@@ -102,6 +102,22 @@ std::optional<BodyPicture> picture_of(const Person& person, const PinholeCamera&
   return BodyPicture{window, std::move(layer)};
 }
 
+/// The part of its window that shows the body.
+PixelWindow shown(const BodyPicture& body) {
+  int left = body.window.width, right = -1, top = body.window.height, bottom = -1;
+  std::size_t at = 0;
+  for (int v = 0; v < body.window.height; ++v) {
+    for (int u = 0; u < body.window.width; ++u, ++at) {
+      if (std::isnan(body.layer.depth[at])) continue;
+      left = std::min(left, u);
+      right = std::max(right, u);
+      top = std::min(top, v);
+      bottom = std::max(bottom, v);
+    }
+  }
+  return {body.window.u + left, body.window.v + top, right - left + 1, bottom - top + 1};
+}
+
 template <typename Change>
 void each_pixel_within(const PixelWindow& window, const PinholeCamera& camera,
                        const Change& change) {
@@ -154,11 +170,15 @@ void draw_people(std::span<const Person> people, const SceneRenderer& scene,
   for (const Person& person : far_first) {
     const auto body = picture_of(person, camera, T_WC, threads);
     if (!body) continue;
-    const PixelLayer behind = scene.look(camera, T_WC, body->window, threads);
-    each_pixel_within(body->window, camera, [&](std::size_t at, std::size_t n) {
+    const PixelWindow part = shown(*body);
+    const std::vector<float> behind = scene.depth(camera, T_WC, part, threads);
+    each_pixel_within(part, camera, [&](std::size_t at, std::size_t n) {
+      const int u = part.u - body->window.u + static_cast<int>(n) % part.width;
+      const int v = part.v - body->window.v + static_cast<int>(n) / part.width;
+      const auto there = static_cast<std::size_t>(v * body->window.width + u);
       // Comparisons with NaN are false.
-      const float z = body->layer.depth[n];
-      if (!std::isnan(z) && !(behind.depth[n] < z)) grey[at] = body->layer.grey[n];
+      const float z = body->layer.depth[there];
+      if (!std::isnan(z) && !(behind[n] < z)) grey[at] = body->layer.grey[there];
     });
   }
 }

@@ -17,6 +17,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "adapters/robots/simulator/texture_kernel.h"
 #include "adapters/robots/simulator/texture_pyramid.h"
 #include "engine/support/worker_threads.h"
 
@@ -24,12 +25,10 @@ namespace prospect {
 namespace {
 
 constexpr std::uint32_t kNothing = 0xffffffffu;
-constexpr int kPacket = 16;           // rays that are traced abreast: 4 x 4 pixels
-constexpr int kRayBand = 8;           // rows that a thread takes at a time
+constexpr int kPacket = kPacketPixels;  // rays that are traced abreast: 4 x 4 pixels
+constexpr int kRayBand = 8;             // rows that a thread takes at a time
 constexpr float kEdge = 8.0f;         // [grey levels] between pixels that show different triangles
-constexpr float kFarthestHit = 2e5f;  // [m] and repeats of a texture; floats tell no more
-constexpr float kSteepest = 1e10f;    // squared length of a footprint [texels^2]
-constexpr float kMaxTaps = 4.0f;      // along the longer axis of a footprint
+constexpr float kFarthestHit = 2e5f;  // [m]; floats tell no more
 constexpr float kGloss = 6.0f;        // [px] that a floor's mirror image is blurred over
 constexpr std::size_t kViews = 64;    // triangles whose view a thread keeps, a power of two
 
@@ -47,14 +46,11 @@ struct Surface {
   std::uint32_t material;
 };
 
-// The same as functions of the pixel x = (u, v, 1), all linear: with w = 1/z = inverse_depth . x,
-// the texture coordinates are (s . x) / w and (t . x) / w.
+// As functions of the pixel.
 struct SurfaceView {
   std::uint32_t triangle = kNothing;
-  Eigen::Vector3f inverse_depth, s, t;
+  TexturedView textured;
   Eigen::Vector3f normal_C;  // in C, towards the camera
-  float shade = 0.0f;
-  const TexturePyramid* texture = nullptr;
 };
 
 // Rays of an image: the pixel x = (u, v, 1) looks along to_ray x, in W.
@@ -106,19 +102,13 @@ Image with_contrast(const Image& image, double contrast) {
   return out;
 }
 
-// log2 of a positive number, linear between powers of two: the same everywhere, and near enough for
-// a level of detail.
-float rough_log2(float x) {
-  const auto bits = std::bit_cast<std::uint32_t>(x);
-  return static_cast<float>(bits) * 0x1p-23f - 127.0f;
-}
-
 }  // namespace
 
 struct SceneRenderer::Impl {
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
   SceneRendererOptions options;
+  TextureKernel kernel = texture_kernel(best_instruction_set());
   std::vector<Surface> surfaces;
   std::vector<TexturePyramid> textures;
   std::vector<std::uint8_t> shiny;  // of each triangle; empty: none is
@@ -276,17 +266,21 @@ struct SceneRenderer::Impl {
     const Eigen::Vector3d towards = distance < 0.0 ? surface.normal : -surface.normal;
     SurfaceView view;
     view.triangle = triangle;
-    view.inverse_depth = inverse_depth.cast<float>();
-    view.s = (at_camera.x() * inverse_depth +
-              rays.to_ray.transpose() * surface.gradient.row(0).transpose())
-                 .cast<float>();
-    view.t = (at_camera.y() * inverse_depth +
-              rays.to_ray.transpose() * surface.gradient.row(1).transpose())
-                 .cast<float>();
+    TexturedView& textured = view.textured;
+    textured.inverse_depth = inverse_depth.cast<float>();
+    textured.s = (at_camera.x() * inverse_depth +
+                  rays.to_ray.transpose() * surface.gradient.row(0).transpose())
+                     .cast<float>();
+    textured.t = (at_camera.y() * inverse_depth +
+                  rays.to_ray.transpose() * surface.gradient.row(1).transpose())
+                     .cast<float>();
     view.normal_C = (rays.R_WC.transpose() * towards).cast<float>();
-    view.shade = static_cast<float>(options.ambient + (1.0 - options.ambient) * 0.5 *
-                                                          (1.0 + towards.dot(options.light)));
-    view.texture = &textures[surface.material];
+    textured.shade = static_cast<float>(options.ambient + (1.0 - options.ambient) * 0.5 *
+                                                              (1.0 + towards.dot(options.light)));
+    const TexturePyramid& texture = textures[surface.material];
+    textured.texels = texture.texels();
+    textured.width = static_cast<float>(texture.width());
+    textured.height = static_cast<float>(texture.height());
     return view;
   }
 
@@ -300,37 +294,21 @@ struct SceneRenderer::Impl {
     }
   };
 
-  // Grey of the square of `size` pixels about (u, v).
-  static float look_up(const SurfaceView& view, float u, float v, float size) {
-    const TexturePyramid& texture = *view.texture;
-    if (texture.levels() == 1) return view.shade * texture.bilinear(0, 0.0f, 0.0f);
-    const auto at = [&](const Eigen::Vector3f& f) { return f[0] * u + f[1] * v + f[2]; };
-    const float z = 1.0f / at(view.inverse_depth), step = size * z;
-    const float s = at(view.s) * z, t = at(view.t) * z;
-    // Derivatives of the texture coordinates by the pixel's, times the size; the footprint's axes.
-    const auto w = static_cast<float>(texture.width()), h = static_cast<float>(texture.height());
-    const float su = (view.s[0] - s * view.inverse_depth[0]) * step;
-    const float sv = (view.s[1] - s * view.inverse_depth[1]) * step;
-    const float tu = (view.t[0] - t * view.inverse_depth[0]) * step;
-    const float tv = (view.t[1] - t * view.inverse_depth[1]) * step;
-    const float along_u = su * su * w * w + tu * tu * h * h;
-    const float along_v = sv * sv * w * w + tv * tv * h * h;
-    const float major = std::max(along_u, along_v);  // squared
-    // A plane seen edge-on, where rounding has the last word: its mean grey will do.
-    const bool sound =
-        std::abs(s) < kFarthestHit && std::abs(t) < kFarthestHit && major < kSteepest;
-    if (!sound) return view.shade * texture.bilinear(texture.levels() - 1, 0.0f, 0.0f);
-    if (!(major > 1.0f)) return view.shade * texture.bilinear(0, s, t);
-    const float minor = std::max(std::min(along_u, along_v), 1.0f);
-    int taps = 1;
-    while (static_cast<float>(taps) < kMaxTaps &&
-           major > minor * static_cast<float>(taps) * static_cast<float>(taps)) {
-      ++taps;
+  // Greys of the squares of `size` pixels about a packet's pixels, which show these triangles.
+  void look_up(ViewCache& cache, const Rays& rays, const std::uint32_t* triangles, int count,
+               const float* u, const float* v, float size, float* grey) const {
+    alignas(64) float of_one[kPacket];
+    std::uint32_t left = (1u << count) - 1u;  // pixels that are to be looked up
+    while (left != 0) {
+      const std::uint32_t triangle = triangles[std::countr_zero(left)];
+      if (triangle != kNothing)
+        kernel(cache.get(*this, rays, triangle).textured, u, v, size, of_one);
+      for (int n = 0; n < count; ++n) {
+        if (triangles[n] != triangle) continue;
+        grey[n] = triangle == kNothing ? static_cast<float>(options.background) : of_one[n];
+        left &= ~(1u << n);
+      }
     }
-    const auto count = static_cast<float>(taps);
-    const float level = std::max(0.0f, 0.5f * rough_log2(major / (count * count)));
-    const float ds = along_u > along_v ? su : sv, dt = along_u > along_v ? tu : tv;
-    return view.shade * texture.mean_along(level, s, t, ds, dt, taps);
   }
 
   // The triangle that each of a packet's rays, through (u, v), meets first, from the depths `near`
@@ -370,51 +348,72 @@ struct SceneRenderer::Impl {
     }
   }
 
-  // visit(cache, index, u, v, triangle) for each pixel, bands of rows in parallel.
+  // Up to 4 x 4 pixels and what they show; places in the image.
+  struct Packet {
+    int count = 0;
+    alignas(64) float u[kPacket] = {}, v[kPacket] = {};
+    std::size_t at[kPacket];
+    std::uint32_t triangles[kPacket];
+  };
+
+  // visit(cache, packet) for all pixels, bands of rows in parallel.
   template <typename Visitor>
-  void each_pixel(const Rays& rays, int threads, const Visitor& visit) const {
+  void each_packet(const Rays& rays, int threads, const Visitor& visit) const {
     const int bands = (rays.height + kRayBand - 1) / kRayBand;
     WorkerThreads(threads).run(bands, [&](int band) {
       ViewCache cache;
+      Packet packet;
       const int end = std::min(rays.height, (band + 1) * kRayBand);
       for (int v0 = band * kRayBand; v0 < end; v0 += 4) {
         const int rows = std::min(4, end - v0);
         for (int u0 = 0; u0 < rays.width; u0 += 4) {
           const int columns = std::min(4, rays.width - u0);
-          float u[kPacket], v[kPacket];
-          std::uint32_t triangles[kPacket];
-          int count = 0;
+          packet.count = 0;
           for (int row = 0; row < rows; ++row) {
-            for (int column = 0; column < columns; ++column, ++count) {
-              u[count] = static_cast<float>(rays.u0 + u0 + column);
-              v[count] = static_cast<float>(rays.v0 + v0 + row);
+            for (int column = 0; column < columns; ++column, ++packet.count) {
+              packet.u[packet.count] = static_cast<float>(rays.u0 + u0 + column);
+              packet.v[packet.count] = static_cast<float>(rays.v0 + v0 + row);
+              packet.at[packet.count] =
+                  static_cast<std::size_t>((v0 + row) * rays.width + u0 + column);
             }
           }
-          trace(rays, u, v, count, triangles);
-          for (int n = 0; n < count; ++n) {
-            const auto index = static_cast<std::size_t>(
-                (static_cast<int>(v[n]) - rays.v0) * rays.width + static_cast<int>(u[n]) - rays.u0);
-            visit(cache, index, u[n], v[n], triangles[n]);
-          }
+          trace(rays, packet.u, packet.v, packet.count, packet.triangles);
+          visit(cache, packet);
         }
       }
     });
+  }
+
+  // measure(view, place in the image, in the packet, z) for each pixel that shows something, at the
+  // depth z.
+  template <typename Measure>
+  void each_depth(const Rays& rays, ViewCache& cache, const Packet& packet,
+                  const Measure& measure) const {
+    for (int n = 0; n < packet.count; ++n) {
+      if (packet.triangles[n] == kNothing) continue;
+      const float u = packet.u[n], v = packet.v[n];
+      const SurfaceView& view = cache.get(*this, rays, packet.triangles[n]);
+      const Eigen::Vector3f& f = view.textured.inverse_depth;
+      const float z = 1.0f / (f[0] * u + f[1] * v + f[2]);
+      // Edge-on: rounding alone.
+      if (z > 0.0f && z < kFarthestHit) measure(view, packet.at[n], n, z);
+    }
   }
 
   std::vector<float> intensity(const PinholeCamera& camera, const Eigen::Isometry3d& T_WC,
                                int threads) const {
     const Rays rays = rays_of(camera, T_WC);
     const auto size = static_cast<std::size_t>(rays.width) * static_cast<std::size_t>(rays.height);
-    const auto background = static_cast<float>(options.background);
     std::vector<float> centres(size);
     std::vector<std::uint32_t> shown(size);
-    each_pixel(rays, threads,
-               [&](ViewCache& cache, std::size_t at, float u, float v, std::uint32_t triangle) {
-                 shown[at] = triangle;
-                 centres[at] = triangle == kNothing
-                                   ? background
-                                   : look_up(cache.get(*this, rays, triangle), u, v, 1.0f);
-               });
+    each_packet(rays, threads, [&](ViewCache& cache, const Packet& packet) {
+      float grey[kPacket];
+      look_up(cache, rays, packet.triangles, packet.count, packet.u, packet.v, 1.0f, grey);
+      for (int n = 0; n < packet.count; ++n) {
+        shown[packet.at[n]] = packet.triangles[n];
+        centres[packet.at[n]] = grey[n];
+      }
+    });
     // Edges. What is written must not be what a neighbour reads.
     std::vector<float> grey = centres;
     const int bands = (rays.height + kRayBand - 1) / kRayBand;
@@ -437,13 +436,11 @@ struct SceneRenderer::Impl {
           }
         }
         trace(rays, u, v, pixels * kSubs, triangles);
+        float greys[kPacket];
+        look_up(cache, rays, triangles, pixels * kSubs, u, v, 0.5f, greys);
         for (int p = 0; p < pixels; ++p) {
           float sum = 0.0f;
-          for (int n = p * kSubs; n < (p + 1) * kSubs; ++n) {
-            sum += triangles[n] == kNothing
-                       ? background
-                       : look_up(cache.get(*this, rays, triangles[n]), u[n], v[n], 0.5f);
-          }
+          for (int n = p * kSubs; n < (p + 1) * kSubs; ++n) sum += greys[n];
           grey[pending[p]] = sum / static_cast<float>(kSubs);
         }
         pixels = 0;
@@ -483,12 +480,12 @@ struct SceneRenderer::Impl {
       int count = 0;
       const auto flush = [&] {
         std::uint32_t triangles[kPacket] = {};
-        if (count > 0) trace(below, u, v, count, triangles, near);
-        for (int n = 0; n < count; ++n) {
-          mirror[at[n]] = triangles[n] == kNothing
-                              ? static_cast<float>(options.background)
-                              : look_up(cache.get(*this, below, triangles[n]), u[n], v[n], kGloss);
+        float greys[kPacket];
+        if (count > 0) {
+          trace(below, u, v, count, triangles, near);
+          look_up(cache, below, triangles, count, u, v, kGloss, greys);
         }
+        for (int n = 0; n < count; ++n) mirror[at[n]] = greys[n];
         count = 0;
       };
       for (int j = band * kRayBand; j < std::min(rows, (band + 1) * kRayBand); ++j) {
@@ -544,8 +541,8 @@ struct SceneRenderer::Impl {
     });
   }
 
-  PixelLayer look(const PinholeCamera& camera, const Eigen::Isometry3d& T_WC,
-                  const PixelWindow& window, int threads) const {
+  static Rays rays_of_window(const PinholeCamera& camera, const Eigen::Isometry3d& T_WC,
+                             const PixelWindow& window) {
     Rays rays = rays_of(camera, T_WC);
     if (window.u < 0 || window.v < 0 || window.width < 0 || window.height < 0 ||
         window.width > rays.width - window.u || window.height > rays.height - window.v) {
@@ -555,23 +552,42 @@ struct SceneRenderer::Impl {
     rays.v0 = window.v;
     rays.width = window.width;
     rays.height = window.height;
+    return rays;
+  }
+
+  std::vector<float> depth_of_window(const PinholeCamera& camera, const Eigen::Isometry3d& T_WC,
+                                     const PixelWindow& window, int threads) const {
+    const Rays rays = rays_of_window(camera, T_WC, window);
+    std::vector<float> depth(
+        static_cast<std::size_t>(rays.width) * static_cast<std::size_t>(rays.height),
+        DepthImage::kInvalid);
+    each_packet(rays, threads, [&](ViewCache& cache, const Packet& packet) {
+      each_depth(rays, cache, packet,
+                 [&](const SurfaceView&, std::size_t at, int, float z) { depth[at] = z; });
+    });
+    return depth;
+  }
+
+  PixelLayer look(const PinholeCamera& camera, const Eigen::Isometry3d& T_WC,
+                  const PixelWindow& window, int threads) const {
+    const Rays rays = rays_of_window(camera, T_WC, window);
     const auto size = static_cast<std::size_t>(rays.width) * static_cast<std::size_t>(rays.height);
     PixelLayer layer{std::vector<float>(size, static_cast<float>(options.background)),
                      std::vector<float>(size, DepthImage::kInvalid),
                      std::vector<float>(size, 0.0f)};
     const Eigen::Matrix3f to_C = (rays.R_WC.transpose() * rays.to_ray).cast<float>();
-    each_pixel(rays, threads,
-               [&](ViewCache& cache, std::size_t at, float u, float v, std::uint32_t triangle) {
-                 if (triangle == kNothing) return;
-                 const SurfaceView& view = cache.get(*this, rays, triangle);
-                 const Eigen::Vector3f& f = view.inverse_depth;
-                 const float z = 1.0f / (f[0] * u + f[1] * v + f[2]);
-                 if (!(z > 0.0f && z < kFarthestHit)) return;
-                 const Eigen::Vector3f ray = to_C * Eigen::Vector3f(u, v, 1.0f);
-                 layer.grey[at] = look_up(view, u, v, 1.0f);
-                 layer.depth[at] = z;
-                 layer.cosine[at] = std::abs(view.normal_C.dot(ray)) / ray.norm();
-               });
+    each_packet(rays, threads, [&](ViewCache& cache, const Packet& packet) {
+      float grey[kPacket];
+      const auto nothing = [](std::uint32_t triangle) { return triangle == kNothing; };
+      if (std::all_of(packet.triangles, packet.triangles + packet.count, nothing)) return;
+      look_up(cache, rays, packet.triangles, packet.count, packet.u, packet.v, 1.0f, grey);
+      each_depth(rays, cache, packet, [&](const SurfaceView& view, std::size_t at, int n, float z) {
+        const Eigen::Vector3f ray = to_C * Eigen::Vector3f(packet.u[n], packet.v[n], 1.0f);
+        layer.grey[at] = grey[n];
+        layer.depth[at] = z;
+        layer.cosine[at] = std::abs(view.normal_C.dot(ray)) / ray.norm();
+      });
+    });
     return layer;
   }
 
@@ -583,20 +599,15 @@ struct SceneRenderer::Impl {
     const auto inverse_fx = static_cast<float>(1.0 / camera.fx);
     const auto inverse_fy = static_cast<float>(1.0 / camera.fy);
     const auto cx = static_cast<float>(camera.cx), cy = static_cast<float>(camera.cy);
-    each_pixel(rays, threads,
-               [&](ViewCache& cache, std::size_t at, float u, float v, std::uint32_t triangle) {
-                 if (triangle == kNothing) return;
-                 const SurfaceView& view = cache.get(*this, rays, triangle);
-                 const Eigen::Vector3f& f = view.inverse_depth;
-                 const float z = 1.0f / (f[0] * u + f[1] * v + f[2]);
-                 if (!(z > 0.0f && z < kFarthestHit)) return;  // edge-on: rounding alone
-                 image.depth[at] = z;
-                 if (incidence == nullptr) return;
-                 const float x = (u - cx) * inverse_fx, y = (v - cy) * inverse_fy;
-                 const Eigen::Vector3f& n = view.normal_C;
-                 (*incidence)[at] =
-                     std::abs(n[0] * x + n[1] * y + n[2]) / std::sqrt(x * x + y * y + 1.0f);
-               });
+    each_packet(rays, threads, [&](ViewCache& cache, const Packet& packet) {
+      each_depth(rays, cache, packet, [&](const SurfaceView& view, std::size_t at, int k, float z) {
+        image.depth[at] = z;
+        if (incidence == nullptr) return;
+        const float x = (packet.u[k] - cx) * inverse_fx, y = (packet.v[k] - cy) * inverse_fy;
+        const Eigen::Vector3f& n = view.normal_C;
+        (*incidence)[at] = std::abs(n[0] * x + n[1] * y + n[2]) / std::sqrt(x * x + y * y + 1.0f);
+      });
+    });
     return image;
   }
 };
@@ -612,6 +623,11 @@ std::vector<float> SceneRenderer::intensity(const PinholeCamera& camera,
 PixelLayer SceneRenderer::look(const PinholeCamera& camera, const Eigen::Isometry3d& T_WC,
                                const PixelWindow& window, int threads) const {
   return impl_->look(camera, T_WC, window, threads);
+}
+
+std::vector<float> SceneRenderer::depth(const PinholeCamera& camera, const Eigen::Isometry3d& T_WC,
+                                        const PixelWindow& window, int threads) const {
+  return impl_->depth_of_window(camera, T_WC, window, threads);
 }
 
 DepthImage SceneRenderer::depth(const PinholeCamera& camera, const Eigen::Isometry3d& T_WC,
@@ -645,6 +661,10 @@ std::vector<float> SceneRenderer::intensity(const PinholeCamera&, const Eigen::I
 }
 PixelLayer SceneRenderer::look(const PinholeCamera&, const Eigen::Isometry3d&, const PixelWindow&,
                                int) const {
+  return {};
+}
+std::vector<float> SceneRenderer::depth(const PinholeCamera&, const Eigen::Isometry3d&,
+                                        const PixelWindow&, int) const {
   return {};
 }
 DepthImage SceneRenderer::depth(const PinholeCamera&, const Eigen::Isometry3d&, int,

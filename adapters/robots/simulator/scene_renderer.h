@@ -73,6 +73,10 @@ class SceneRenderer {
   PixelLayer look(const PinholeCamera& camera, const Eigen::Isometry3d& T_WC,
                   const PixelWindow& window, int threads = 1) const;
 
+  /// Its depth alone.
+  std::vector<float> depth(const PinholeCamera& camera, const Eigen::Isometry3d& T_WC,
+                           const PixelWindow& window, int threads = 1) const;
+
   /// Depth along the optical axis [m]; NaN, as in all depth images, where nothing is hit.
   /// `incidence`, if given, receives the cosine of each ray to the surface's normal (0..1).
   DepthImage depth(const PinholeCamera& camera, const Eigen::Isometry3d& T_WC, int threads = 1,

@@ -201,9 +201,7 @@ PerceptionOptions simulated_perception(const SimulatorOptions& options) {
   at_least(calibration.principal_point, effects.principal_point);
   at_least(calibration.focal_length, effects.focal_length);
   at_least(calibration.baseline, effects.baseline);
-  // Cameras that turn towards each other shift all disparities.
-  at_least(perception.odometry.disparity_offset.prior_sigma,
-           options.features.stereo.left.fx * effects.rotation);
+  at_least(perception.odometry.disparity_offset.prior_angle, 1e3 * effects.rotation);
   return perception;
 }
 

@@ -38,6 +38,8 @@ class ClaimingOdometry final : public Odometry {
     if (ahead_) C(2, 2) += ahead_(frames);
     return C;
   }
+  std::optional<MotionAhead> motion_ahead() const override { return to_come; }
+  std::optional<MotionAhead> to_come;
 
  private:
   Variances variances_;
@@ -119,6 +121,70 @@ TEST(MotionNoise, TellsAnErrorOfTheScaleFromARandomWalk) {
   MotionNoise sideways(kMount);
   drive(sideways, odometry, 40, kStep, 0.0, 200, pose, M_PI_2);
   EXPECT_LT(sideways.noise()->scale, 0.2 * kScale);
+}
+
+TEST(MotionNoise, AScaleThatIsBeingLearnedDrownsNoWalk) {
+  // The scale is known better and better, from 4 % on, and is a thousand times the walk; turns
+  // differ from frame to frame. What is counted on across the way stays what is claimed.
+  constexpr double kStep = 1.2, kPerMetre = 0.004;
+  double scale = 0.04;
+  const ClaimingOdometry odometry(
+      [&](int frames) {
+        const double walk = kPerMetre * kPerMetre * kStep * frames;
+        return std::pair(walk, 0.0625 * walk);
+      },
+      [&](int frames) { return std::pow(scale * kStep * frames, 2); });
+  MotionNoise noise(kMount);
+  Pose pose;
+  constexpr int kTracked = 120;
+  for (int k = 0; k < 60; ++k) {
+    scale = std::max(0.004, 0.93 * scale);
+    drive(noise, odometry, 1, kStep, k % 3 == 0 ? 0.02 : 0.002, kTracked, pose);
+    if (k < 8) continue;
+    ASSERT_TRUE(noise.noise()) << k;
+    const OdometryNoise found = *noise.noise(), assumed;
+    const double fewer =
+        (assumed.reference_count + assumed.floor_count) / (kTracked + assumed.floor_count);
+    const double s = 5.0 * kStep, a = 0.04;
+    const double counted_on = fewer * (std::pow(found.position_per_metre, 2) * s +
+                                       std::pow(found.position_per_radian, 2) * a);
+    EXPECT_NEAR(std::sqrt(counted_on / (kPerMetre * kPerMetre * s)), 1.0, 0.3) << k;
+    EXPECT_GT(found.scale, scale) << k;
+    EXPECT_LT(found.scale, 0.04) << k;
+  }
+}
+
+TEST(MotionNoise, BeforeItMovesWhatIsToComeIsCountedOn) {
+  // The scale as the odometry would claim it of a motion ahead; then all that it does claim.
+  constexpr double kWay = 0.3, kPerMetre = 0.01, kScale = 0.03, kStep = 0.1;
+  ClaimingOdometry odometry([&](int frames) {
+    const double walk = 1e-6 * kStep * frames;
+    return std::pair(walk, walk);
+  });
+  MotionAhead ahead;
+  ahead.T_CC.translation().z() = kWay;
+  ahead.tracked = 200;
+  ahead.covariance.setIdentity();
+  ahead.covariance *= kPerMetre * kPerMetre * kWay;
+  ahead.covariance(2, 2) += std::pow(kScale * kWay, 2);
+  odometry.to_come = ahead;
+  MotionNoise noise(kMount);
+  OdometryFrame first;
+  first.state = Localization::kOk;
+  first.tracked = 200;
+  first.keyframe = true;
+  first.T_WC = kMount;
+  noise.add(first, odometry);
+  ASSERT_TRUE(noise.noise());
+  EXPECT_EQ(noise.noise()->position_per_metre, OdometryNoise().position_per_metre);
+  EXPECT_EQ(noise.noise()->yaw_per_metre, OdometryNoise().yaw_per_metre);
+  EXPECT_NEAR(noise.noise()->scale, kScale, 0.05 * kScale);
+  Pose pose;
+  drive(noise, odometry, 4, kStep, 0.0, 200, pose);
+  EXPECT_NEAR(noise.noise()->scale, kScale, 0.05 * kScale);
+  drive(noise, odometry, 30, kStep, 0.0, 200, pose);
+  EXPECT_LT(noise.noise()->scale, 0.1 * kScale);
+  EXPECT_NEAR(noise.noise()->position_per_metre, 1e-3, 1e-4);
 }
 
 TEST(MotionNoise, WhatWasNotDrivenStaysInTheRatioThatIsAssumed) {

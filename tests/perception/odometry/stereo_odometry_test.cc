@@ -119,12 +119,13 @@ TEST(StereoOdometry, FollowsAnArc) {
 }
 
 /// The pair with a thing before it, at a metre and of the texture of `board`, in columns `from` to
-/// `to` of the left image, from a quarter of its height down.
-StereoFrame covered(const StereoFrame& frame, const Image& board, int from, int to, int texture) {
+/// `to` of the left image, from a quarter of its height or the row `top` down.
+StereoFrame covered(const StereoFrame& frame, const Image& board, int from, int to, int texture,
+                    std::optional<int> top = {}) {
   StereoFrame out{frame.stamp, frame.left, frame.right};
   const int disparity =
       static_cast<int>(std::lround(small_camera().left.fx * small_camera().baseline));
-  for (int v = board.height / 4; v < board.height; ++v) {
+  for (int v = top.value_or(board.height / 4); v < board.height; ++v) {
     for (int u = std::max(from, 0); u < std::min(to, board.width); ++u) {
       const std::uint8_t grey = board.at((u + texture) % board.width, v);
       out.left.at(u, v) = grey;
@@ -176,6 +177,120 @@ TEST(StereoOdometry, APersonWhoPassesMovesNothing) {
   }
   std::printf("person who passes: worst error %.1f mm\n", 1e3 * worst);
   EXPECT_LT(worst, 0.02);
+}
+
+TEST(StereoOdometry, WhatComesInsteadOfAllThatWasSeenMayMove) {
+  NOT_UNDER_SANITIZERS("long sequences go the ways of short ones");
+  // A board moves before two thirds of the view, and then before all of it: landmarks on it are
+  // there already, and nothing tells it from a world. What the camera does by them is measured, and
+  // not believed for as long as a loss makes a new map.
+  const Sequence& s = moving();
+  StereoOdometry undisturbed(small_camera(), {}, s.T_WC[0]);
+  StereoOdometry odometry(small_camera(), {}, s.T_WC[0]);
+  const int width = board().width;
+  int frames = 0;
+  double worst = 0.0, off = 0.0, claimed = 0.0, before = 0.0, grown = 0.0;
+  for (std::size_t k = 0; k < s.frames.size(); ++k) {
+    const StereoFrame& f = s.frames[k];
+    const auto free = undisturbed.process(f.stamp, f.left.view(), f.right.view());
+    EXPECT_EQ(free.reason.find("seen before"), std::string::npos) << k << ": " << free.reason;
+    const int shown = k < 8 ? 0 : k < 13 ? 2 * width / 3 : width;
+    const StereoFrame seen = covered(f, board(), 0, shown, 4800 - 12 * static_cast<int>(k), 0);
+    const auto frame = odometry.process(f.stamp, seen.left.view(), seen.right.view());
+    off = (frame.T_WC.translation() - s.T_WC[k].translation()).norm();
+    claimed = std::sqrt(frame.covariance.topLeftCorner<3, 3>().trace());
+    if (off > 0.05) worst = std::max(worst, off / claimed);
+    if (shown < width) continue;
+    // Since frame 10, the last whose landmarks were known: 2 s.
+    const bool unknown = k <= 30;
+    EXPECT_EQ(frame.reason.find("hardly anything seen before") != std::string::npos, unknown)
+        << k << ": " << frame.reason;
+    if (unknown) {
+      EXPECT_NE(frame.state, Localization::kOk) << k;
+      frames += 1;
+      if (frames == 1) before = claimed;
+      grown = claimed - before;
+    }
+  }
+  std::printf(
+      "a board before all of the view: %d frames not known, off by %.2f m, claimed %.2f, at most "
+      "%.1f times\n",
+      frames, off, claimed, worst);
+  EXPECT_LT(worst, 4.0);
+  // 0.6 m/s each way.
+  EXPECT_NEAR(grown, std::sqrt(3.0) * 0.6 * kPeriod * (frames - 1), 0.05 * grown);
+}
+
+TEST(StereoOdometry, BeforeAnyMotionWasSeenItMayGoAnywhere) {
+  const Sequence& s = moving();
+  Image plain(static_cast<int>(small_camera().left.width),
+              static_cast<int>(small_camera().left.height));
+  // Lost at once: nothing is known of the velocity. Lost later: it went on as it did, or otherwise.
+  for (const std::size_t seen : {std::size_t{1}, std::size_t{6}}) {
+    StereoOdometry odometry(small_camera(), {}, s.T_WC[0]);
+    OdometryFrame last;
+    for (std::size_t k = 0; k < seen; ++k) {
+      const StereoFrame& f = s.frames[k];
+      last = odometry.process(f.stamp, f.left.view(), f.right.view());
+    }
+    const Eigen::Matrix<double, 6, 6> before = last.covariance;
+    for (int k = 1; k <= 3; ++k) {
+      const double since = kPeriod * k;
+      // Not the same twice: that is a frozen image.
+      std::fill(plain.pixels.begin(), plain.pixels.end(), static_cast<std::uint8_t>(100 + k));
+      const auto lost = odometry.process(last.stamp + since, plain.view(), plain.view());
+      ASSERT_EQ(lost.state, Localization::kLost);
+      const double moved = (s.T_WC[seen].translation() - s.T_WC[seen - 1].translation()).norm();
+      const double speed = seen == 1 ? 0.6 : 0.2 + moved / kPeriod;
+      for (int axis = 0; axis < 3; ++axis) {
+        EXPECT_NEAR(std::sqrt(lost.covariance(axis, axis) - before(axis, axis)), speed * since,
+                    seen == 1 ? 1e-9 : 0.1 * speed * since)
+            << seen << " frames, axis " << axis;
+      }
+      if (seen == 1) {
+        EXPECT_NEAR(std::sqrt(lost.covariance(4, 4) - before(4, 4)), 0.3 * since, 1e-9);
+      }
+    }
+  }
+}
+
+TEST(StereoOdometry, AMotionAheadIsClaimedAsWhenItIsMade) {
+  NOT_UNDER_SANITIZERS("long sequences go the ways of short ones");
+  // Straight ahead, by a tenth of the distance of what is in view.
+  const RenderedRoom room;
+  const auto at = [](double x) { return RenderedRoom::looking(x, -0.6, 1.05, 0.1); };
+  const double turned = std::cos(0.1);
+  StereoOdometry odometry(small_camera(), {}, at(-1.5));
+  EXPECT_FALSE(odometry.motion_ahead());
+  const auto first = room.render(small_camera(), at(-1.5), 2.0, 900);
+  odometry.process(0.0, first.left.view(), first.right.view());
+  const std::optional<MotionAhead> ahead = odometry.motion_ahead();
+  ASSERT_TRUE(ahead);
+  const double way = ahead->T_CC.translation().z();
+  EXPECT_GT(way, 0.05);
+  EXPECT_LT(way, 1.0);
+  constexpr int kFrames = 4;
+  OdometryFrame last;
+  for (int k = 1; k <= kFrames; ++k) {
+    const auto pair =
+        room.render(small_camera(), at(-1.5 + way * turned * k / kFrames), 2.0, 900 + k);
+    last = odometry.process(kPeriod * k, pair.left.view(), pair.right.view());
+    ASSERT_NE(last.state, Localization::kLost) << last.reason;
+  }
+  const auto made = odometry.covariance_since(kFrames);
+  ASSERT_TRUE(made);
+  std::printf(
+      "a motion of %.2f m: along %.2f mm claimed ahead, %.2f then; across %.2f, %.2f; "
+      "%d points ahead, %d then\n",
+      way, 1e3 * std::sqrt(ahead->covariance(2, 2)), 1e3 * std::sqrt((*made)(2, 2)),
+      1e3 * std::sqrt(ahead->covariance(0, 0)), 1e3 * std::sqrt((*made)(0, 0)), ahead->tracked,
+      last.tracked);
+  // What the calibration leaves is the same; how patches will be tracked is guessed.
+  EXPECT_NEAR(ahead->covariance(2, 2) / (*made)(2, 2), 1.0, 0.2);
+  for (int axis = 0; axis < 6; ++axis) {
+    EXPECT_NEAR(std::log2(ahead->covariance(axis, axis) / (*made)(axis, axis)), 0.0, 4.0) << axis;
+  }
+  EXPECT_NEAR(ahead->tracked, last.tracked, 0.4 * ahead->tracked);
 }
 
 TEST(StereoOdometry, FollowsAHeadThatTurnsFast) {
@@ -238,7 +353,7 @@ TEST(StereoOdometry, ACalibrationSaidToBeExactClaimsLessAndMovesNoPose) {
   const Sequence& s = moving();
   // What motion says of the disparities' zero is weighed against the rest of the calibration.
   StereoOdometryOptions assumed;
-  assumed.disparity_offset.prior_sigma = 0.0;
+  assumed.disparity_offset.prior_angle = 0.0;
   StereoOdometryOptions exact = assumed;
   exact.calibration = {0.0, 0.0, 0.0};
   StereoOdometry usual(small_camera(), assumed, s.T_WC[0]), sure(small_camera(), exact, s.T_WC[0]);
@@ -370,7 +485,7 @@ TEST(StereoOdometry, AMiscalibratedDisparityIsFoundWhileMoving) {
   double error[2];
   for (const bool estimate : {false, true}) {
     StereoOdometryOptions options;
-    if (!estimate) options.disparity_offset.prior_sigma = 0.0;
+    if (!estimate) options.disparity_offset.prior_angle = 0.0;
     StereoOdometry odometry(small_camera(), options, s.T_WC[0]);
     OdometryFrame last;
     for (std::size_t k = 0; k < s.frames.size(); ++k) {

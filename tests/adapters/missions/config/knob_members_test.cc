@@ -320,8 +320,8 @@ TEST(KnobMembers, EveryNumberAndSwitchIsAKnob) {
   }
   {
     DisparityOffsetOptions o;
-    [[maybe_unused]] auto& [prior_sigma, walk_sigma, min_baseline, min_points, max_offset] = o;
-    EXPECT_KNOBS(o, prior_sigma, walk_sigma, min_baseline, min_points, max_offset);
+    [[maybe_unused]] auto& [prior_angle, walk_sigma, min_baseline, min_points, max_offset] = o;
+    EXPECT_KNOBS(o, prior_angle, walk_sigma, min_baseline, min_points, max_offset);
   }
   {
     CameraTimeOffsetOptions o;

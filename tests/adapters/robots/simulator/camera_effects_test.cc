@@ -71,12 +71,11 @@ TEST(CameraEffects, TheRobotIsToldHowFarItsCalibrationMayBeOff) {
     EXPECT_GE(calibration.principal_point, realism * drawn.principal_point);
     EXPECT_GE(calibration.focal_length, realism * drawn.focal_length);
     EXPECT_GE(calibration.baseline, realism * drawn.baseline);
-    EXPECT_GE(told.odometry.disparity_offset.prior_sigma,
-              realism * drawn.rotation * options.features.stereo.left.fx);
+    EXPECT_GE(told.odometry.disparity_offset.prior_angle, 1e3 * (drawn.rotation * realism));
     if (realism > 0.0) continue;
     EXPECT_EQ(calibration.focal_length, usual.odometry.calibration.focal_length);
-    EXPECT_EQ(told.odometry.disparity_offset.prior_sigma,
-              usual.odometry.disparity_offset.prior_sigma);
+    EXPECT_EQ(told.odometry.disparity_offset.prior_angle,
+              usual.odometry.disparity_offset.prior_angle);
   }
 }
 
