@@ -26,8 +26,12 @@ std::uint64_t key(Cell c) {
   return std::uint64_t{static_cast<std::uint32_t>(c.i)} << 32 | static_cast<std::uint32_t>(c.j);
 }
 
-bool at_body_heights(const HeightSlice& slice, const Eigen::Vector3d& p) {
-  return p.z() >= slice.z_min && p.z() <= slice.z_max && p.allFinite();
+/// Over the floor there.
+bool at_body_heights(const OccupancyMapper& map, const Eigen::Vector3d& p) {
+  if (!p.allFinite()) return false;
+  const HeightSlice& slice = map.options().slice;
+  const double z = p.z() - map.floor_level(p.head<2>());
+  return z >= slice.z_min && z <= slice.z_max;
 }
 
 bool before(Cell a, Cell b) { return std::tie(a.j, a.i) < std::tie(b.j, b.i); }
@@ -189,7 +193,7 @@ void MoverTracker::look(double stamp, OccupancyMapper& map, DepthScan& scan) {
   };
   std::vector<Cell> cells;
   for (const Eigen::Vector3d& p : scan.hits) {
-    if (!at_body_heights(slice, p)) continue;
+    if (!at_body_heights(map, p)) continue;
     const Cell cell = ground.frame().cell(p.x(), p.y());
     const bool open = ground.state(cell) != CellState::kOccupied;
     if (is_new(ground, cell) || (open && of_somebody(p.head<2>()))) cells.push_back(cell);
@@ -225,7 +229,7 @@ void MoverTracker::look(double stamp, OccupancyMapper& map, DepthScan& scan) {
   std::erase_if(tracks_, [&](const Track& t) {
     return stamp - t.seen > remembered(t) || (stamp > t.seen && seen_through(t, slice, scan, r));
   });
-  if (held.empty()) return note_what_came(ground, slice, scan);
+  if (held.empty()) return note_what_came(ground, map, scan);
   // All of somebody, from the feet to the head, at whatever height the body looks for it.
   const auto is_held = [&](const Eigen::Vector3d& p) {
     if (!(p.z() > 0.0)) return false;
@@ -239,13 +243,13 @@ void MoverTracker::look(double stamp, OccupancyMapper& map, DepthScan& scan) {
                                            [&](const Eigen::Vector3d& p) { return !is_held(p); });
   scan.passing.insert(scan.passing.end(), first, scan.hits.end());
   scan.hits.erase(first, scan.hits.end());
-  note_what_came(ground, slice, scan);
+  note_what_came(ground, map, scan);
 }
 
-void MoverTracker::note_what_came(const GroundMap& ground, const HeightSlice& slice,
+void MoverTracker::note_what_came(const GroundMap& ground, const OccupancyMapper& map,
                                   const DepthScan& scan) {
   for (const Eigen::Vector3d& p : scan.hits) {
-    if (!at_body_heights(slice, p)) continue;
+    if (!at_body_heights(map, p)) continue;
     const Cell cell = ground.frame().cell(p.x(), p.y());
     if (ground.state(cell) == CellState::kFree) came_[key(cell)] = stamp_;
   }

@@ -107,7 +107,7 @@ class MoverTracker {
   void judge(Track& track, double stamp) const;
 
   /// Enters what hits free cells and is not held back.
-  void note_what_came(const GroundMap& ground, const HeightSlice& slice, const DepthScan& scan);
+  void note_what_came(const GroundMap& ground, const OccupancyMapper& map, const DepthScan& scan);
 
   MoverTrackerOptions options_;
   /// When something was first seen in a cell that was free [s].

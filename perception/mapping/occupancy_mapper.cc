@@ -16,9 +16,11 @@
 #include <unordered_map>
 #include <utility>
 
+#include "engine/maps/known_extent.h"
 #include "models/knobs.h"
 #include "models/parameter_check.h"
 #include "perception/mapping/evidence_table.h"
+#include "perception/mapping/floor_join.h"
 #include "perception/mapping/map_evidence.h"
 
 namespace prospect {
@@ -56,6 +58,7 @@ struct Brick {
   bool dirty[kMirrors] = {};                   // some bit of stale is set, and the mirror lists it
   int bx = 0, by = 0, bz = 0;                  // address / 8
   std::uint64_t order = 0;                     // Morton order of bricks
+  std::vector<float> tops;  // [m] of surfaces at z = 0 or above; 0: not measured. Empty: none is
 };
 
 struct Columns {  // of an 8 x 8 square of ground cells: counts over layers, of the slice's
@@ -173,6 +176,12 @@ DepthScan transform(const DepthScan& scan_B, const Pose& pose) {
 }
 
 struct OccupancyMapper::Impl {
+  struct GroundChange {
+    Cell cell;
+    CellState state = CellState::kUnknown;
+    bool sight = false;
+  };
+
   OccupancyMapperOptions options;
   float hit = 0.0F, miss = 0.0F, lowest = 0.0F, highest = 0.0F;  // log-odds
   float threshold = 0.0F;
@@ -197,11 +206,6 @@ struct OccupancyMapper::Impl {
   Mirror mirror[kMirrors];
   int current = 0;
 
-  struct GroundChange {
-    Cell cell;
-    CellState state = CellState::kUnknown;
-    bool sight = false;
-  };
   struct GroundMirror {
     std::shared_ptr<GroundMap> map;       // null: not made
     std::vector<GroundChange> pending{};  // of the newest map, in order, and not yet of this one
@@ -216,6 +220,12 @@ struct OccupancyMapper::Impl {
   Walk abreast[kAbreast];   // the first `walks` of them are to be marked yet
   int walks = 0;
   std::vector<Eigen::Vector3d> below_floor;  // ends of rays that went on through the floor's plane
+  std::vector<float> tops;  // [m] of what is met in the marked voxels, where it lies above z = 0
+
+  // The floor where it is not flat; null: it is flat.
+  std::unique_ptr<const FloorJoin> joined;
+  std::vector<Cell> low_surfaces;        // where something low was met since it was last looked for
+  std::vector<Cell> levelled[kMirrors];  // columns that the mirror has at another level
 
   explicit Impl(const OccupancyMapperOptions& o);
 
@@ -242,6 +252,17 @@ struct OccupancyMapper::Impl {
   bool is_floor(int k) const { return has_floor && k >= slice.floor.k_floor && k < 0; }
   /// Deeper than what the robot drives down.
   bool is_below_floor(double z) const { return has_floor && z < -options.slice.step; }
+  int k_stand() const { return slice.k_low > 0 ? 0 : -1; }
+  int level(Cell c) const { return joined ? joined->level(c) : 0; }
+  const Brick* find_brick(int i, int j, int k) const;
+  CellState state(int i, int j, int k) const;
+  double top(int i, int j, int k) const;
+  void note_top(Brick& b, int m, int k, float z, float share);
+  void surfaces(Cell c, std::vector<FloorSurface>& found) const;
+  /// Whether something low was met that is no flat floor.
+  bool is_rough(Cell c) const;
+  void join_floor(std::vector<GroundChange>& changes);
+  void write_column(VoxelGrid& voxels, Cell c) const;
   void apply_marks();
 
   void sync();
@@ -366,8 +387,132 @@ void OccupancyMapper::Impl::write_told(int bx, int by, int bz, int m, float valu
                     kBrick * bz + z);
 }
 
+const Brick* OccupancyMapper::Impl::find_brick(int i, int j, int k) const {
+  const auto at = brick_at.find(pack(i >> 3, j >> 3, k >> 3));
+  return at == brick_at.end() ? nullptr : bricks[at->second].get();
+}
+
+CellState OccupancyMapper::Impl::state(int i, int j, int k) const {
+  const Brick* b = find_brick(i, j, k);
+  const int m = morton(i & 7, j & 7, k & 7);
+  if (b == nullptr || ((b->known[m >> 6] >> (m & 63)) & 1U) == 0) return CellState::kUnknown;
+  return b->log_odds[m] >= threshold ? CellState::kOccupied : CellState::kFree;
+}
+
+// Of what was not measured the middle of the voxel; the floor below z = 0 ends there.
+double OccupancyMapper::Impl::top(int i, int j, int k) const {
+  if (k < 0) return 0.0;
+  const Brick* b = find_brick(i, j, k);
+  const int m = morton(i & 7, j & 7, k & 7);
+  const bool measured =
+      b != nullptr && !b->tops.empty() && b->tops[static_cast<std::size_t>(m)] > 0.0F;
+  return measured ? b->tops[static_cast<std::size_t>(m)] : (k + 0.5) * options.resolution;
+}
+
+void OccupancyMapper::Impl::note_top(Brick& b, int m, int k, float z, float share) {
+  if (k < 0 || !(z > 0.0F)) return;
+  if (b.tops.empty()) b.tops.assign(kBrickVoxels, 0.0F);
+  float& known = b.tops[static_cast<std::size_t>(m)];
+  known = known > 0.0F ? known + share * (z - known) : z;
+  if (k == 0 && has_floor && !joined && known > options.slice.step) {
+    low_surfaces.push_back({b.bx * kBrick + compact(m), b.by * kBrick + compact(m >> 1)});
+  }
+}
+
+// What the floor of a column may be: surfaces from the flat floor's layer on over which there is
+// room for the body, and nothing is unknown at its feet.
+void OccupancyMapper::Impl::surfaces(Cell c, std::vector<FloorSurface>& found) const {
+  const int room = slice.k_high - k_stand();
+  int occupied_above = k_end + room;  // the lowest
+  CellState above = CellState::kUnknown;
+  const Brick* b = nullptr;
+  for (int k = k_end - 1; k >= -1; --k) {
+    if (k == k_end - 1 || (k & 7) == 7) b = find_brick(c.i, c.j, k);
+    const int m = morton(c.i & 7, c.j & 7, k & 7);
+    const bool known = b != nullptr && ((b->known[m >> 6] >> (m & 63)) & 1U) != 0;
+    const CellState here = !known                        ? CellState::kUnknown
+                           : b->log_odds[m] >= threshold ? CellState::kOccupied
+                                                         : CellState::kFree;
+    if (here == CellState::kOccupied) {
+      if (above == CellState::kFree && occupied_above > k + room) {
+        found.push_back({k, top(c.i, c.j, k)});
+      }
+      occupied_above = k;
+    }
+    above = here;
+  }
+}
+
+bool OccupancyMapper::Impl::is_rough(Cell c) const {
+  std::vector<FloorSurface> found;
+  surfaces(c, found);
+  if (std::none_of(found.begin(), found.end(), [this](const FloorSurface& s) {
+        return s.k == 0 && s.z > options.slice.step;
+      })) {
+    return false;
+  }
+  for (int dj = -1; dj <= 1; ++dj) {
+    for (int di = -1; di <= 1; ++di) {
+      if (state(c.i + di, c.j + dj, -1) == CellState::kOccupied) return true;
+    }
+  }
+  return false;
+}
+
+// Looks for the floor anew, and for all cells that it raises or closes, now or before.
+void OccupancyMapper::Impl::join_floor(std::vector<GroundChange>& changes) {
+  KnownExtent extent;
+  for (const auto& block : columns) {
+    const int i = block->bx * kBrick, j = block->by * kBrick;
+    extent.add(i, j, i + kBrick - 1, j + kBrick - 1);
+  }
+  auto found = std::make_unique<const FloorJoin>(
+      extent.frame(options.resolution), k_stand(), options.slice.step,
+      [this](Cell c, std::vector<FloorSurface>& there) { surfaces(c, there); });
+  const std::unique_ptr<const FloorJoin> before = std::exchange(joined, std::move(found));
+  for (int n = 0; n < joined->frame().size(); ++n) {
+    const Cell c = joined->frame().at(n);
+    const int was = before ? before->level(c) : 0, now = joined->level(c);
+    if (was != now) {
+      for (std::vector<Cell>& list : levelled) list.push_back(c);
+    }
+    const bool shut = joined->closed(c);
+    if (was == 0 && now == 0 && !shut && !(before && before->closed(c))) continue;
+    int occupied = 0, free = 0, support = 0, free_below = 0;
+    for (int k = std::min(slice.k_low, slice.floor.k_floor);
+         k <= std::max(slice.k_high, slice.floor.k_body - 1); ++k) {
+      const CellState s = state(c.i, c.j, k + now);
+      const bool in_slice = k >= slice.k_low && k <= slice.k_high;
+      const bool is_support = k >= slice.floor.k_floor && k < slice.floor.k_body;
+      occupied += in_slice && s == CellState::kOccupied;
+      free += in_slice && s == CellState::kFree;
+      support += is_support && s == CellState::kOccupied;
+      free_below += is_support && k < 0 && s == CellState::kFree;
+    }
+    const FloorState under = floor_state(support, free_below, -slice.floor.k_floor);
+    const CellState state_now = shut ? CellState::kOccupied : project_column(occupied, free, under);
+    const bool sight =
+        see_through(state_now, slice.k_sight ? state(c.i, c.j, *slice.k_sight + now) : state_now);
+    const GroundMap& known = *ground[ground_current].map;
+    if (known.state(c) == state_now && known.see_through(c) == sight) continue;
+    changes.push_back({c, state_now, sight});
+  }
+}
+
+void OccupancyMapper::Impl::write_column(VoxelGrid& voxels, Cell c) const {
+  const int up = level(c);
+  for (int k = k_low; k < k_end; ++k) {
+    const CellState s = k + up < k_end ? state(c.i, c.j, k + up) : CellState::kUnknown;
+    voxels.set(c.i, c.j, k, s);
+  }
+}
+
 void OccupancyMapper::Impl::flush_ground() {
   std::vector<GroundChange> changes;
+  const bool rough = joined || std::any_of(low_surfaces.begin(), low_surfaces.end(),
+                                           [this](Cell c) { return is_rough(c); });
+  low_surfaces.clear();
+  if (rough) join_floor(changes);
   const GroundMap& now = *ground[ground_current].map;
   for (const auto& [block, cell] : changed_cells) {
     Columns& c = *columns[block];
@@ -376,6 +521,7 @@ void OccupancyMapper::Impl::flush_ground() {
     const FloorState floor = floor_state(c.floor[cell], c.free_below[cell], -slice.floor.k_floor);
     const CellState state = project_column(c.occupied[cell], c.free[cell], floor);
     const bool sight = see_through(state, slice.k_sight ? c.sight[cell] : state);
+    if (level(address) != 0 || (joined && joined->closed(address))) continue;
     if (now.state(address) == state && now.see_through(address) == sight) continue;
     changes.push_back({address, state, sight});
   }
@@ -539,11 +685,12 @@ void OccupancyMapper::Impl::apply_marks() {
         std::uint32_t column = 0;
         for (int dx = 0; dx < kBrick; ++dx) {
           for (int dy = 0; dy < kBrick; ++dy) {
-            std::uint8_t* run =
-                &marks[(static_cast<std::size_t>(x + dx) * static_cast<std::size_t>(size[1]) +
-                        static_cast<std::size_t>(y + dy)) *
-                           static_cast<std::size_t>(size[2]) +
-                       static_cast<std::size_t>(z)];
+            const std::size_t first =
+                (static_cast<std::size_t>(x + dx) * static_cast<std::size_t>(size[1]) +
+                 static_cast<std::size_t>(y + dy)) *
+                    static_cast<std::size_t>(size[2]) +
+                static_cast<std::size_t>(z);
+            std::uint8_t* run = &marks[first];
             std::uint64_t any = 0;
             std::memcpy(&any, run, sizeof any);
             if (any == 0) continue;
@@ -567,6 +714,11 @@ void OccupancyMapper::Impl::apply_marks() {
                 if (run[dz] == 0) continue;
               }
               const int m = morton(dx, dy, dz);
+              if ((run[dz] & kEndedIn) != 0) {
+                constexpr float kShare = 0.25F;  // of the newest look: our choice
+                note_top(*b, m, k, std::exchange(tops[first + static_cast<std::size_t>(dz)], 0.0F),
+                         kShare);
+              }
               if (written != nullptr) {
                 EvidenceTable::State& s =
                     written->states[static_cast<std::size_t>(MapEvidence::voxel(dx, dy, dz))];
@@ -591,7 +743,7 @@ void OccupancyMapper::Impl::apply_marks() {
 // --- mirrors -------------------------------------------------------------------------------------
 
 void OccupancyMapper::Impl::sync() {
-  if (mirror[current].dirty.empty()) return;
+  if (mirror[current].dirty.empty() && levelled[current].empty()) return;
   const auto writable = [](const Mirror& m) {
     return m.octree && unshared(m.octree) && unshared(m.voxels);
   };
@@ -615,6 +767,7 @@ void OccupancyMapper::Impl::sync() {
         std::fill(std::begin(b.stale[next]), std::end(b.stale[next]), 0);
       }
       to.dirty = from.dirty;
+      levelled[next] = levelled[current];
       for (const std::uint32_t index : to.dirty) {
         Brick& b = *bricks[index];
         b.dirty[next] = true;
@@ -638,12 +791,14 @@ void OccupancyMapper::Impl::replay(int which) {
     for (int word = 0; word < kBrick; ++word) {
       for (std::uint64_t bits = b.stale[which][word]; bits != 0; bits &= bits - 1) {
         const int v = word * 64 + std::countr_zero(bits);
-        voxels.set(b.bx * kBrick + compact(v), b.by * kBrick + compact(v >> 1),
-                   b.bz * kBrick + compact(v >> 2),
+        const Cell c{b.bx * kBrick + compact(v), b.by * kBrick + compact(v >> 1)};
+        voxels.set(c.i, c.j, b.bz * kBrick + compact(v >> 2) - level(c),
                    b.log_odds[v] >= threshold ? CellState::kOccupied : CellState::kFree);
       }
     }
   }
+  for (const Cell c : levelled[which]) write_column(voxels, c);
+  levelled[which].clear();
   replay_octree(*m.octree, which, m.dirty);
   for (const std::uint32_t index : m.dirty) {
     Brick& b = *bricks[index];
@@ -756,6 +911,14 @@ void OccupancyMapper::enter(const MapEvidence& evidence, const EvidenceTable& ta
       m.set_value(b, index, v, column,
                   known ? table.of_known(s, b.log_odds[v]) : table.of_unknown(s));
     }
+    for (const MapEvidence::Hit& hit : said.hits) {
+      const int z = hit.voxel % kBrick;
+      if (k + z < std::max(m.k_low, 0) || k + z >= m.k_end) continue;
+      const auto top =
+          static_cast<float>(m.options.resolution) * (static_cast<float>(k) + hit.mean.z());
+      m.note_top(b, morton(hit.voxel / (kBrick * kBrick), hit.voxel / kBrick % kBrick, z), k + z,
+                 top, 0.5F);
+    }
   }
   m.flush_ground();
 }
@@ -785,7 +948,10 @@ void OccupancyMapper::insert(const DepthScan& scan) {
   const std::size_t volume = static_cast<std::size_t>(m.size[0]) *
                              static_cast<std::size_t>(m.size[1]) *
                              static_cast<std::size_t>(m.size[2]);
-  if (m.marks.size() < volume) m.marks.resize(volume, 0);
+  if (m.marks.size() < volume) {
+    m.marks.resize(volume, 0);
+    m.tops.resize(volume, 0.0F);
+  }
 
   const auto walk_miss = [&](const Eigen::Vector3d& direction) {
     const Eigen::Vector3d end = scan.origin + direction * max_range;
@@ -821,10 +987,13 @@ void OccupancyMapper::insert(const DepthScan& scan) {
     // The measured point may lie in a voxel before the one entered as hit: that one was passed.
     m.mark_ray(scan.origin, point, !same);
     if (voxel[2] >= m.k_low && voxel[2] < m.k_end) {
-      m.marks[(static_cast<std::size_t>(voxel[0] - m.box[0]) * static_cast<std::size_t>(m.size[1]) +
-               static_cast<std::size_t>(voxel[1] - m.box[1])) *
-                  static_cast<std::size_t>(m.size[2]) +
-              static_cast<std::size_t>(voxel[2] - m.box[2])] |= kEndedIn;
+      const std::size_t at =
+          (static_cast<std::size_t>(voxel[0] - m.box[0]) * static_cast<std::size_t>(m.size[1]) +
+           static_cast<std::size_t>(voxel[1] - m.box[1])) *
+              static_cast<std::size_t>(m.size[2]) +
+          static_cast<std::size_t>(voxel[2] - m.box[2]);
+      m.marks[at] |= kEndedIn;
+      m.tops[at] = std::max(m.tops[at], static_cast<float>(point.z()));
       if (m.evidence != nullptr) m.evidence->add_hit(surface, voxel[0], voxel[1], voxel[2]);
     }
   }
@@ -947,6 +1116,11 @@ std::shared_ptr<const octomap::OcTree> OccupancyMapper::octree() {
 std::shared_ptr<const VoxelGrid> OccupancyMapper::voxels() {
   impl_->sync();
   return impl_->mirror[impl_->current].voxels;
+}
+double OccupancyMapper::floor_level(const Eigen::Vector2d& at) const {
+  if (!impl_->joined) return 0.0;
+  const double r = impl_->options.resolution;
+  return r * impl_->level(impl_->joined->frame().cell(at.x(), at.y()));
 }
 std::shared_ptr<const GroundMap> OccupancyMapper::ground() {
   return impl_->ground[impl_->ground_current].map;

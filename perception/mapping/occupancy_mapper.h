@@ -110,6 +110,13 @@ std::string layers_misfit(const OccupancyMapperOptions& options);
 /// that is deeper than the step is entered below the floor's layers. Not so where the step is
 /// deeper than z_min, as of a robot that flies: then nothing is known of the floor.
 ///
+/// Ramps and thresholds. The floor is what joins from z = 0 on without a step (floor_join.h), by
+/// the heights at which surfaces were met, finer than voxels. voxels() and ground() hold each
+/// column let down by its floor_level(), whole voxels: heights in them count from the floor, so
+/// that a ramp is ground, what stands on it an obstacle, and a gallery over a hall none of the
+/// hall's. Where the floor does not join, the higher cell of ground() is occupied. octree() is as
+/// things are. On a flat floor all levels are 0. Floors below z = 0 are holes.
+///
 /// Snapshots. octree(), voxels() and ground() return the map after the last insert and never change
 /// afterwards: later changes go to another copy as long as a snapshot is held elsewhere. Each map
 /// exists up to three times, and a copy that nobody holds is brought up to date by replaying what
@@ -152,6 +159,9 @@ class OccupancyMapper {
   /// seen from now on corrects it. Its surfaces do not count as seen. Throws std::invalid_argument
   /// if it is of another resolution or reaches beyond 30000 voxels from the origin.
   void load(const octomap::OcTree& map);
+
+  /// By how much [m] the columns of voxels() are let down there, in whole voxels.
+  double floor_level(const Eigen::Vector2d& at) const;
 
   std::shared_ptr<const octomap::OcTree> octree();
   std::shared_ptr<const VoxelGrid> voxels();

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <initializer_list>
 #include <random>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -48,6 +49,10 @@ class FloorPlan {
     if (floor == PlanFloor::kDrops) {
       for (const Box& room : rooms_) lower_floor(room);
     }
+    if (floor == PlanFloor::kRamps) {
+      for (const Box& room : rooms_) raise_floor(room);
+      for (const Box& door : doors_) lay_threshold(door);
+    }
   }
 
   std::string yaml(const std::string& name) {
@@ -76,6 +81,13 @@ class FloorPlan {
       text += "  - {box: " + drop.box.text() + ", depth: " + std::to_string(drop.depth / 10) + "." +
               std::to_string(drop.depth % 10) + "}\n";
     }
+    if (!ramps_.empty()) text += "ramps:\n";
+    for (const Ramp& ramp : ramps_) {
+      char heights[64];
+      std::snprintf(heights, sizeof heights, ", z: [%.2f, %.2f], up: %s}\n", 0.01 * ramp.from,
+                    0.01 * ramp.to, ramp.up);
+      text += "  - {box: " + ramp.box.text() + heights;
+    }
     return text;
   }
 
@@ -83,6 +95,12 @@ class FloorPlan {
   struct Drop {
     Box box;
     int depth;
+  };
+
+  struct Ramp {
+    Box box;
+    int from, to;  // [cm]
+    const char* up;
   };
 
   static std::size_t at(int i) { return static_cast<std::size_t>(i); }
@@ -191,10 +209,58 @@ class FloorPlan {
     }
   }
 
+  /// A platform with a ramp up to it, one of four too steep; none where there is no place for it.
+  void raise_floor(const Box& room) {
+    constexpr int kTries = 8;
+    for (int tries = 0; tries < kTries; ++tries) {
+      const int height = draw(2, 3);
+      const bool steep = draw(0, 3) == 0;
+      // 8 degrees rise 1 in 7.1, 12 degrees 1 in 4.7.
+      const int run = steep ? height * draw(25, 45) / 10 : (height * 72 + 9) / 10;
+      const int length = draw(10, 14), width = draw(14, 18), side = draw(0, 3);
+      const bool along_x = side % 2 == 1;
+      const int dx = along_x ? run + length : width, dy = along_x ? width : run + length;
+      if (room.x1 - room.x0 < dx || room.y1 - room.y0 < dy) continue;
+      const int x = draw(room.x0, room.x1 - dx), y = draw(room.y0, room.y1 - dy);
+      const Box whole{x, y, x + dx, y + dy};
+      const auto near_to = [&](const Box& other) { return whole.within(other, 7); };
+      if (std::any_of(doors_.begin(), doors_.end(), near_to) ||
+          std::any_of(furniture_.begin(), furniture_.end(), near_to)) {
+        continue;
+      }
+      Box ramp = whole, platform = whole;
+      if (side == 0) ramp.y1 = platform.y0 = whole.y0 + run;
+      if (side == 1) ramp.x1 = platform.x0 = whole.x0 + run;
+      if (side == 2) ramp.y0 = platform.y1 = whole.y1 - run;
+      if (side == 3) ramp.x0 = platform.x1 = whole.x1 - run;
+      constexpr const char* kUp[] = {"north", "east", "south", "west"};
+      ramps_.push_back({ramp, 0, 10 * height, kUp[side]});
+      ramps_.push_back({platform, 10 * height, 10 * height, "east"});
+      return;
+    }
+  }
+
+  /// In every third door, none near the step that robots usually get over.
+  void lay_threshold(const Box& door) {
+    constexpr int kHeights[] = {2, 3, 4, 7, 8, 9};
+    if (draw(0, 2) != 0) return;
+    const int height = kHeights[draw(0, 5)];
+    Box box = door;
+    if (door.x1 - door.x0 == kWall + 2) {
+      box.x0 += 1;
+      box.x1 -= 1;
+    } else {
+      box.y0 += 1;
+      box.y1 -= 1;
+    }
+    ramps_.push_back({box, height, height, "east"});
+  }
+
   std::mt19937_64 generator_;
   int columns_ = 0, rows_ = 0;
   std::vector<Box> rooms_, doors_, furniture_;
   std::vector<Drop> drops_;
+  std::vector<Ramp> ramps_;
 };
 
 }  // namespace
@@ -204,9 +270,15 @@ std::string random_floor_plan(std::uint64_t seed, const std::optional<FloorPlanS
   return FloorPlan(seed, size, floor).yaml(floor_plan_name(seed, size, floor));
 }
 
+std::string_view kind_of(PlanFloor floor) {
+  return floor == PlanFloor::kDrops   ? "drops"
+         : floor == PlanFloor::kRamps ? "ramps"
+                                      : "plan";
+}
+
 std::string floor_plan_name(std::uint64_t seed, const std::optional<FloorPlanSize>& size,
                             PlanFloor floor) {
-  std::string name = (floor == PlanFloor::kDrops ? "drops:" : "plan:") + std::to_string(seed);
+  std::string name = std::string(kind_of(floor)) + ':' + std::to_string(seed);
   if (size) name += ":" + std::to_string(size->columns) + "x" + std::to_string(size->rows);
   return name;
 }

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 
 namespace prospect {
 
@@ -19,12 +20,17 @@ struct FloorPlanSize {
 /// walls. The same seed and size give the same text on every machine.
 enum class PlanFloor {
   kFlat,
-  kDrops  ///< the same plan, with a hole, a dock or a stair down in most rooms
+  kDrops,  ///< the same plan, with a hole, a dock or a stair down in most rooms
+  kRamps   ///< or with a platform in most, a ramp up to it, and thresholds in doors
 };
 std::string random_floor_plan(std::uint64_t seed, const std::optional<FloorPlanSize>& size = {},
                               PlanFloor floor = PlanFloor::kFlat);
 
-/// "plan:SEED", or "plan:SEED:COLUMNSxROWS" where a size is given; of one with drops "drops:SEED".
+/// "plan", "drops", "ramps".
+std::string_view kind_of(PlanFloor floor);
+
+/// "plan:SEED", or "plan:SEED:COLUMNSxROWS" where a size is given; of one with drops "drops:SEED",
+/// with ramps "ramps:SEED".
 std::string floor_plan_name(std::uint64_t seed, const std::optional<FloorPlanSize>& size = {},
                             PlanFloor floor = PlanFloor::kFlat);
 

@@ -27,6 +27,7 @@
 #include "adapters/formats/worlds/point_cloud_file.h"
 #include "adapters/formats/worlds/reachable_area.h"
 #include "adapters/formats/worlds/ros_map.h"
+#include "adapters/formats/worlds/sloped_floor.h"
 #include "adapters/formats/worlds/world_file.h"
 #include "engine/maps/heading_fit.h"
 #include "models/nearest_name.h"
@@ -183,13 +184,18 @@ struct FloorPlanChoice {
   PlanFloor floor = PlanFloor::kFlat;
 };
 
-/// Of "plan:SEED" or "plan:SEED:COLUMNSxROWS", or "drops:" and the same; none: the name is none of
+/// Of "plan:SEED" or "plan:SEED:COLUMNSxROWS", or "drops:" or "ramps:" and the same; none: the name is none of
 /// a floor plan.
 std::optional<FloorPlanChoice> floor_plan_choice(const std::string& name) {
   constexpr int kLeast = 2, kMost = 40;
-  const bool drops = name.starts_with("drops:");
-  if (!drops && !name.starts_with("plan:")) return std::nullopt;
-  const std::string kind = drops ? "drops" : "plan";
+  FloorPlanChoice choice;
+  std::string kind;
+  for (const PlanFloor floor : {PlanFloor::kFlat, PlanFloor::kDrops, PlanFloor::kRamps}) {
+    if (!name.starts_with(std::string(kind_of(floor)) + ':')) continue;
+    choice.floor = floor;
+    kind = kind_of(floor);
+  }
+  if (kind.empty()) return std::nullopt;
   const char* at = name.data() + kind.size() + 1;
   const char* const last = name.data() + name.size();
   // Reads a number; false if there is none.
@@ -199,8 +205,6 @@ std::optional<FloorPlanChoice> floor_plan_choice(const std::string& name) {
     return wrong == std::errc();
   };
   const auto passed = [&](char c) { return at != last && *at++ == c; };
-  FloorPlanChoice choice;
-  if (drops) choice.floor = PlanFloor::kDrops;
   if (!number(choice.seed) || (at != last && *at != ':')) {
     throw InputError("world '" + name + "': no seed; expected " + kind + ":SEED, e.g. " + kind +
                      ":7");
@@ -240,6 +244,12 @@ void refuse_for_world_file(const std::string& name, const WorldOptions& options)
 
 void place_start(World& world, const BodySlice& slice, const std::optional<Pose>& given,
                  bool world_states_start) {
+  if (!world.slopes.empty()) {
+    World flat = flattened(world, slice.step);
+    place_start(flat, slice, given, world_states_start);
+    world.start = flat.start;
+    return;
+  }
   if (given) {
     constexpr double kFarthest = 1e6;  // [m]; beyond it a cell's address would overflow
     const bool sound = given->position.allFinite() && std::isfinite(given->yaw) &&
@@ -316,7 +326,7 @@ World load_world(const std::string& name_or_path, const WorldOptions& options) {
       throw InputError(
           like_a_path ? name_or_path + ": no such file; expected a world: " + kExtensions
                       : "unknown world '" + name_or_path + "'" + did_you_mean(name_or_path, names) +
-                            "; expected one of: " + list + ", plan:SEED, drops:SEED, or a file");
+                            "; expected one of: " + list + ", plan:SEED, drops:SEED, ramps:SEED, or a file");
     }
     if (fs::is_directory(path, error)) {
       throw InputError(name_or_path + ": is a directory; expected a world: " + kExtensions);

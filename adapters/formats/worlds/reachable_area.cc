@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "adapters/formats/files/input_error.h"
+#include "adapters/formats/worlds/sloped_floor.h"
 #include "engine/maps/floor_state.h"
 #include "engine/maps/free_line.h"
 #include "engine/maps/heading_reach.h"
@@ -443,6 +444,7 @@ void add_what_is_seen(const World& world, const ReachableAreaOptions& options,
 }  // namespace
 
 ReachableArea reachable_area(const World& world, const ReachableAreaOptions& options) {
+  if (!world.slopes.empty()) return reachable_area(flattened(world, options.slice.step), options);
   check(positive_length(options.range), "range; expected a finite distance above 0 m");
   check(positive_length(options.map_resolution),
         "map resolution; expected a finite length above 0 m");

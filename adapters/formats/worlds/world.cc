@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "adapters/formats/worlds/reachable_area.h"
+#include "adapters/formats/worlds/sloped_floor.h"
 #include "models/mixed_bits.h"
 
 namespace prospect {
@@ -52,6 +53,7 @@ double texture_density(const World& world, int i, int j, int k, std::uint64_t se
 }
 
 WorldFacts describe(const World& world, const BodySlice& slice) {
+  if (!world.slopes.empty()) return describe(flattened(world, slice.step), slice);
   WorldFacts facts;
   const GridFrame& frame = world.voxels.frame();
   facts.resolution = frame.resolution;

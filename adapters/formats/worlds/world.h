@@ -16,6 +16,18 @@ namespace prospect {
 
 struct TexturedMesh;
 
+/// A piece of floor higher than z = 0, solid below: a ramp, a threshold, a platform. Its top is a
+/// plane over a rectangle, finer than the voxels.
+struct Slope {
+  Eigen::Vector2d low = Eigen::Vector2d::Zero(), high = Eigen::Vector2d::Zero();  ///< [m]
+  double height = 0.0;                             ///< [m] of the top at `low`
+  Eigen::Vector2d rise = Eigen::Vector2d::Zero();  ///< [m] a metre along x and y
+  bool contains(const Eigen::Vector2d& p) const {
+    return (p.array() >= low.array()).all() && (p.array() < high.array()).all();
+  }
+  double at(const Eigen::Vector2d& p) const { return height + rise.dot(p - low); }
+};
+
 /// A true world for the simulator: what is where, and how much texture its surfaces carry.
 ///
 /// Voxels: kOccupied, kFree, or kUnknown; unknown voxels of the source map, and everything outside
@@ -45,6 +57,9 @@ struct World {
   /// Share of the source's ground (of an octree or mesh: surfaces with free space above, on all
   /// storeys, furniture included) that lies at z = 0; NaN of sources that have one floor only.
   double floor_share = std::numeric_limits<double>::quiet_NaN();
+  /// The floor where it rises (sloped_floor.h). The voxels that lie below it as a whole are
+  /// occupied, those that it cuts are free.
+  std::vector<Slope> slopes = {};
 
   bool solid(int i, int j, int k) const { return voxels.state(i, j, k) != CellState::kFree; }
 };

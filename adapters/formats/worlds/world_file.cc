@@ -10,6 +10,7 @@
 
 #include "adapters/formats/files/input_error.h"
 #include "adapters/formats/files/strict_yaml.h"
+#include "engine/maps/voxel_grid.h"
 
 namespace prospect {
 namespace {
@@ -51,6 +52,12 @@ struct Drop {
   std::optional<std::uint8_t> texture{};  // none: the room's floor
 };
 
+/// Where it lies higher: a ramp, a threshold, a platform.
+struct Ramp {
+  Slope slope;
+  std::optional<std::uint8_t> texture{};  // none: the room's floor
+};
+
 struct Textures {
   std::vector<std::string> names;
   std::vector<double> densities;
@@ -79,6 +86,7 @@ struct Building {
   std::vector<Door> doors;
   std::vector<Furniture> furniture;
   std::vector<Drop> drops;
+  std::vector<Ramp> ramps;
 };
 
 constexpr int kNoRoom = -1;
@@ -168,6 +176,7 @@ class Builder {
         between_rooms(c);
       }
     }
+    for (const Ramp& ramp : building_.ramps) fill(ramp);
     for (const Furniture& piece : building_.furniture) place(piece);
     return std::move(world_);
   }
@@ -248,6 +257,27 @@ class Builder {
     for (int k = below_; k < layers_; ++k) put(c, k, CellState::kOccupied, texture);
   }
 
+  /// What is below it is solid, as far as it is whole voxels of free space.
+  void fill(const Ramp& ramp) {
+    const Slope& slope = ramp.slope;
+    for (int n = 0; n < frame_.size(); ++n) {
+      const Cell c = frame_.at(n);
+      const Eigen::Vector2d center = frame_.center(c);
+      if (!slope.contains(center)) continue;
+      const double lowest = slope.at(center) - 0.5 * r_ * slope.rise.lpNorm<1>();
+      const auto top = static_cast<int>(std::floor(lowest / r_ + kFaceTolerance));
+      for (int k = below_; k < std::min(top, layers_); ++k) {
+        if (world_.voxels.state(c.i, c.j, k) != CellState::kFree) continue;
+        put(c, k, CellState::kOccupied, ramp.texture.value_or(floor_texture(c)));
+      }
+    }
+    world_.slopes.push_back(slope);
+  }
+  std::uint8_t floor_texture(Cell c) const {
+    const int own = room_of_[c];
+    return own == kNoRoom ? 0 : building_.rooms[static_cast<std::size_t>(own)].floor;
+  }
+
   void place(const Furniture& piece) {
     const double slack = 1e-6 * r_;
     for (int n = 0; n < frame_.size(); ++n) {
@@ -272,6 +302,27 @@ class Builder {
   const std::vector<Cell> around_;
   World world_;
 };
+
+Ramp read_ramp(YamlMap& map) {
+  Ramp ramp;
+  const Rectangle box = read_box(map);
+  ramp.slope.low = box.low;
+  ramp.slope.high = box.high;
+  const std::vector<double> z =
+      map.required_numbers("z", 2, 0.0, 10.0, "m", "height of its lower and of its upper end");
+  if (z.size() == 2 && !(z[0] <= z[1] && z[1] > 0.0)) {
+    map.problem("z", "no height; expected lower <= upper, and upper above 0");
+  }
+  const std::string up =
+      map.choice("up", "east", {"north", "east", "south", "west"}, "where its upper end is");
+  if (z.size() != 2) return ramp;
+  const int axis = up == "east" || up == "west" ? 0 : 1;
+  const double run = box.high[axis] - box.low[axis];
+  const bool along = up == "east" || up == "north";
+  ramp.slope.height = along ? z[0] : z[1];
+  if (run > 0.0) ramp.slope.rise[axis] = (along ? z[1] - z[0] : z[0] - z[1]) / run;
+  return ramp;
+}
 
 World read(StrictYaml yaml, const std::string& source, bool* states_start) {
   YamlMap root = yaml.root();
@@ -345,6 +396,13 @@ World read(StrictYaml yaml, const std::string& source, bool* states_start) {
     if (map.has("texture"))
       drop.texture = texture(map, "texture", "texture of its floor and sides");
     building.drops.push_back(drop);
+  }
+
+  for (YamlMap& map : root.maps("ramps")) {
+    map.text("name", "", "name of the ramp");
+    Ramp ramp = read_ramp(map);
+    if (map.has("texture")) ramp.texture = texture(map, "texture", "texture of its top and sides");
+    building.ramps.push_back(ramp);
   }
 
   Pose start;

@@ -42,6 +42,12 @@ std::uint64_t world_hash(const World& world) {
     hash.add(x);
   }
   if (world.mesh) add(hash, *world.mesh);
+  for (const Slope& slope : world.slopes) {
+    for (const double x : {slope.low.x(), slope.low.y(), slope.high.x(), slope.high.y(),
+                           slope.height, slope.rise.x(), slope.rise.y()}) {
+      hash.add(x);
+    }
+  }
   return hash.value();
 }
 

@@ -12,6 +12,7 @@
 
 #include "adapters/formats/files/input_error.h"
 #include "adapters/formats/worlds/octree_file.h"
+#include "adapters/formats/worlds/sloped_floor.h"
 #include "adapters/missions/run/live_mission.h"
 #include "adapters/missions/run/lockstep_mission.h"
 #include "adapters/robots/simulator/make_robot.h"
@@ -53,7 +54,7 @@ ReachableArea reachable_area(const World& world, const Configuration& c) {
 
 Grid<std::uint8_t> roomy_columns(const World& world, const Configuration& c) {
   const BodySlice slice = world_options_for(c).slice;
-  Grid<std::uint8_t> standing = standing_columns(world.voxels, slice);
+  Grid<std::uint8_t> standing = standing_columns(*over_the_floor(world, slice.step), slice);
   const ZoneMap zones(c.planner.zones);
   for (int n = 0; zones.num_forbidden() > 0 && n < standing.frame.size(); ++n) {
     const Eigen::Vector2d center = standing.frame.center(standing.frame.at(n));

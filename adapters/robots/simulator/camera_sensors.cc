@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 #include <utility>
 #include <variant>
 
@@ -115,6 +116,9 @@ CameraSensors::CameraSensors(const World& world, const SimulatorOptions& options
                   perception_of(options, perception, rig_.depth_camera(), more_, start)),
       wheel_noise_(stream_seed(options.seed, NoiseStream::kWheels)),
       wheel_pose_(start) {
+  if (!world.slopes.empty()) {
+    throw std::invalid_argument("world '" + world.name + "': ramps are for the kinematic fidelity");
+  }
   if (options.map) {
     perception_.map().load(*options.map);
     check_parameter(perception_.give_map(options.place_known), "simulator", "place_known", 0.0,

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "adapters/formats/worlds/sloped_floor.h"
 #include "models/body_transform.h"
 #include "models/knobs.h"
 #include "models/parameter_check.h"
@@ -46,16 +47,20 @@ DepthScan DepthCamera::sense(const Pose& true_pose, std::vector<CellState>* seen
   const VoxelGrid& voxels = world_->voxels;
   const GridFrame& frame = voxels.frame();
   const double r = voxels.resolution();
-  const Eigen::Isometry3d T_WC = camera_pose(true_pose, mount_);
+  Eigen::Isometry3d T_BC = mount_.T_BC;
+  if (!world_->slopes.empty()) {
+    T_BC = standing(*world_, true_pose.position.head<2>(), true_pose.yaw).tilt * T_BC;
+  }
+  const Eigen::Isometry3d T_WC = body_transform(true_pose) * T_BC;
   const Eigen::Matrix3d R_WC = T_WC.linear();
-  const Eigen::Matrix3d R_BC = mount_.T_BC.linear();
+  const Eigen::Matrix3d R_BC = T_BC.linear();
   const Eigen::Vector3d from = T_WC.translation();
   const Eigen::Vector3i start = voxels.voxel(from);
   const double max_range = options_.footprint.max_range;
   const bool perspective = options_.footprint.horizontal_fov < M_PI;
 
   DepthScan scan;
-  scan.origin = mount_.T_BC.translation();
+  scan.origin = T_BC.translation();
   scan.reach = max_range;
   if (!voxels.contains(start[0], start[1], start[2])) return scan;
   scan.hits.reserve(directions_.size());
@@ -89,7 +94,8 @@ DepthScan DepthCamera::sense(const Pose& true_pose, std::vector<CellState>* seen
     double range = 0.0;
     bool inside = true;
     path_.clear();
-    const double met = distance_to_walkers(walkers, from, direction);
+    const double met = std::min(distance_to_walkers(walkers, from, direction),
+                                distance_to_slopes(world_->slopes, from, direction));
     const double limit = std::min(max_range, met);
     while (range <= limit && inside && data[index] == CellState::kFree) {
       path_.push_back(static_cast<std::uint32_t>(index));
@@ -101,8 +107,8 @@ DepthScan DepthCamera::sense(const Pose& true_pose, std::vector<CellState>* seen
       index += stride[axis];
       inside = v[axis] >= low[axis] && v[axis] <= high[axis];
     }
-    const bool somebody = range > limit && met <= max_range;
-    if (somebody) range = met;
+    const bool no_voxel = range > limit && met <= max_range;
+    if (no_voxel) range = met;
     const bool hit = range <= max_range;
     // All draws are taken for every ray: what one ray meets does not shift the noise of the next.
     const double drop = uniform(noise_);
@@ -125,7 +131,7 @@ DepthScan DepthCamera::sense(const Pose& true_pose, std::vector<CellState>* seen
       if (newly_seen != nullptr) newly_seen->push_back(at);
     };
     for (const std::uint32_t at : path_) note(at, CellState::kFree);
-    if (reported && inside && !somebody)
+    if (reported && inside && !no_voxel)
       note(static_cast<std::uint32_t>(index), CellState::kOccupied);
   }
   return scan;

@@ -63,10 +63,12 @@ class DepthCamera {
   DepthCamera(const World& world, const DepthCameraOptions& options, const CameraMount& mount,
               std::uint64_t seed);
 
-  /// One image from the true body pose; points in the body frame B [m], origin included.
+  /// One image from the true body pose; points in the body frame B [m], origin included. On a ramp
+  /// the sensor tilts with the body (sloped_floor.h), and B here is upright: gravity tells.
   /// If `seen` is given (size of world.voxels.data()), voxels that a valid ray passed are set to
   /// kFree there, and voxels that one ended in to kOccupied; `newly_seen`, if given, receives the
-  /// indices of those whose entry changed. Rays that meet somebody end there, in no voxel.
+  /// indices of those whose entry changed. Rays that meet somebody or a slope end there, in no
+  /// voxel.
   DepthScan sense(const Pose& true_pose, std::vector<CellState>* seen = nullptr,
                   std::vector<std::uint32_t>* newly_seen = nullptr,
                   std::span<const Walker> walkers = {});

@@ -42,6 +42,7 @@ FeatureSensors::FeatureSensors(const World& world, const SimulatorOptions& optio
       landmarks_(landmarks_of(options, perception), options.features, options.stereo_mount),
       mapper_(std::make_shared<OccupancyMapper>(perception.mapping)),
       movers_(perception.movers),
+      base_height_(options.base_height),
       scan_stamps_(depth_.size(), 0.0) {
   const bool corrected =
       std::any_of(options.corrections.begin(), options.corrections.end(),
@@ -183,7 +184,7 @@ std::shared_ptr<const Belief> FeatureSensors::belief(double stamp, const Pose& t
   belief->stamp = stamp;
   // The estimate follows the wheels to this very instant.
   belief->stamps = {stamp, scan_stamp_, image_stamp_, scan_stamp_};
-  belief->pose = odometry_.estimate(true_pose);
+  belief->pose = estimate(stamp, true_pose);
   belief->covariance = covariance(true_pose);
   belief->twist = commanded;
   belief->localization = odometry_.localization();
@@ -197,8 +198,11 @@ std::shared_ptr<const Belief> FeatureSensors::belief(double stamp, const Pose& t
   return belief;
 }
 
+// Heights of beliefs are those over the floor.
 Pose FeatureSensors::estimate(double, const Pose& true_pose) const {
-  return odometry_.estimate(true_pose);
+  Pose pose = odometry_.estimate(true_pose);
+  pose.position.z() = base_height_;
+  return pose;
 }
 
 }  // namespace prospect

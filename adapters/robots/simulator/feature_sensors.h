@@ -67,6 +67,7 @@ class FeatureSensors final : public SimulatedSensors {
   LandmarkBuilder landmarks_;
   std::shared_ptr<OccupancyMapper> mapper_;
   MoverTracker movers_;
+  double base_height_;                     // [m] of B's origin over the floor
   std::unique_ptr<StraightMap> straight_;  // null: the map is as it was drawn
   int before_loss_ = -1;                   // anchor; -1: not lost
   Corrections corrections_;

@@ -8,6 +8,8 @@
 #include <string>
 #include <type_traits>
 
+#include "adapters/formats/worlds/sloped_floor.h"
+
 namespace prospect {
 namespace {
 
@@ -199,9 +201,14 @@ bool ContactTest::touches(const Outline& outline, int k, const Pose& pose) const
 }
 
 bool ContactTest::in_contact(const Pose& pose) const {
+  int up = 0;  // layers that it stands higher
+  if (!world_->slopes.empty()) {
+    const double height = floor_height(*world_, pose.position.head<2>());
+    up = static_cast<int>(std::lround(height / world_->voxels.resolution()));
+  }
   for (const Layer& layer : layers_) {
     for (const Outline& outline : layer.outlines) {
-      if (touches(outline, layer.k, pose)) return true;
+      if (touches(outline, layer.k + up, pose)) return true;
     }
   }
   return false;
@@ -231,7 +238,7 @@ bool ContactTest::touches(const Pose& pose, const Disc& disc) const {
 }
 
 Stance::Stance(const World& world, const RobotShape& shape, double step)
-    : world_(&world), layers_{floor_layer(step, world.voxels.resolution()), 0} {
+    : world_(&world), step_(step), layers_{floor_layer(step, world.voxels.resolution()), 0} {
   constexpr int kAround = 16;  // points of a disc
   for (const OutlinePart& part : ground_outline(shape)) {
     Eigen::Vector2d middle = Eigen::Vector2d::Zero();
@@ -259,14 +266,44 @@ bool Stance::falls(const Pose& pose) const {
   });
 }
 
+int Stance::steps(const Pose& from, const Pose& to) const {
+  if (world_->slopes.empty()) return 0;
+  constexpr double kRounding = 1e-9;
+  int step = 0;
+  for (const Eigen::Vector2d& wheel : wheels_) {
+    const auto under = [&](const Pose& pose) {
+      return floor_height(*world_, pose.position.head<2>() + Eigen::Rotation2Dd(pose.yaw) * wheel);
+    };
+    const double rise = under(to) - under(from);
+    if (rise > step_ + kRounding) return 1;
+    if (rise < -step_ - kRounding) step = -1;
+  }
+  return step;
+}
+
+void KinematicRobot::carry_to(const Pose& pose) {
+  const double height = pose_.position.z();
+  pose_ = pose;
+  pose_.position.z() = height;
+  pose_ = on_the_floor(pose_);
+}
+
+Pose KinematicRobot::on_the_floor(Pose pose) const {
+  if (world_->slopes.empty()) return pose;
+  pose.position.z() = base_height_ + standing(*world_, pose.position.head<2>(), pose.yaw).height;
+  return pose;
+}
+
 KinematicRobot::KinematicRobot(const World& world, const RobotShape& shape,
                                const ActuationNoise& noise, const Pose& start, std::uint64_t seed,
                                double step)
-    : contact_(world, shape, start.position.z()),
+    : world_(&world),
+      base_height_(start.position.z()),
+      contact_(world, shape, start.position.z()),
       stance_(world, shape, step),
       noise_(noise),
       generator_(seed),
-      pose_(start) {
+      pose_(on_the_floor(start)) {
   const std::string where = "world '" + world.name + "': start (" +
                             std::to_string(start.position.x()) + ", " +
                             std::to_string(start.position.y()) + ") m ";
@@ -310,8 +347,9 @@ bool KinematicRobot::move(const Twist& twist, double duration) {
   const Pose start = pose_;
   int done = 0;
   for (; done < steps; ++done) {
-    const Pose next = advance(start, real, duration * (done + 1) / steps);
-    if (contact_.in_contact(next)) break;
+    const Pose next = on_the_floor(advance(start, real, duration * (done + 1) / steps));
+    const int step = stance_.steps(pose_, next);
+    if (step > 0 || contact_.in_contact(next)) break;
     // Who stands in it already does not hold it.
     if (std::any_of(discs_.begin(), discs_.end(), [&](const Disc& disc) {
           return contact_.touches(next, disc) && !contact_.touches(pose_, disc);
@@ -319,7 +357,7 @@ bool KinematicRobot::move(const Twist& twist, double duration) {
       break;
     }
     pose_ = next;
-    fallen_ = stance_.falls(next);
+    fallen_ = step < 0 || stance_.falls(next);
     if (fallen_) break;
   }
   const double share = static_cast<double>(done) / steps;

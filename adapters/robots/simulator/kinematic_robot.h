@@ -30,7 +30,7 @@ struct ActuationNoise {
 void describe(Knobs& knobs, ActuationNoise& options);
 
 /// Exact contact test of a robot's body against the solid voxels of a world, for a body upright at
-/// a fixed height.
+/// a fixed height over the floor under its origin, where that rises to the nearest voxel.
 ///
 /// For each layer of voxels the body's slab is projected on the ground: discs of cylinders and
 /// spheres (radius at the height nearest to the centre), convex outlines of boxes and hulls
@@ -67,9 +67,9 @@ class ContactTest {
   double radius_ = 0.0;
 };
 
-/// Whether the floor is missing under what a body stands on. Its wheels are taken for the outline
-/// of its parts on the ground, drawn in to `kStance` of their size about their middle, which is our
-/// choice: a body reaches beyond its wheels. Immutable; concurrent use is safe.
+/// Whether the floor is missing under what a body stands on, or too high. Its wheels are taken for
+/// the outline of its parts on the ground, drawn in to `kStance` of their size about their middle,
+/// which is our choice: a body reaches beyond its wheels. Immutable; concurrent use is safe.
 class Stance {
  public:
   static constexpr double kStance = 0.8;
@@ -78,15 +78,20 @@ class Stance {
   Stance(const World& world, const RobotShape& shape, double step);
 
   bool falls(const Pose& pose) const;
+  /// What the floor under a wheel changes from one pose to the next by more than the step: 1 up, -1
+  /// down, 0 nowhere. Up counts first.
+  int steps(const Pose& from, const Pose& to) const;
 
  private:
   const World* world_;
+  double step_;
   FloorLayers layers_;
   std::vector<Eigen::Vector2d> wheels_;  // in B
 };
 
 /// The true robot: executes body twists in the plane, with or without noise, stops at walls and
-/// falls where there is no floor.
+/// falls where there is no floor. Its height follows the floor (sloped_floor.h); one that rises by
+/// more than the step within a centimetre is a wall to its wheels, and one that drops is an edge.
 ///
 /// A constant twist moves along the exact arc (SE(2) exponential), with sideways motion if asked.
 /// The body is tested in steps in which none of its points moves farther than 1 cm; on contact it
@@ -106,7 +111,7 @@ class KinematicRobot {
   void stand_among(std::vector<Disc> discs) { discs_ = std::move(discs); }
 
   /// Somebody carries it; not into a wall.
-  void carry_to(const Pose& pose) { pose_ = pose; }
+  void carry_to(const Pose& pose);
 
   const Pose& pose() const { return pose_; }
   const ContactTest& contact_test() const { return contact_; }
@@ -117,6 +122,10 @@ class KinematicRobot {
   double rotation() const { return rotation_; }        ///< [rad]
 
  private:
+  Pose on_the_floor(Pose pose) const;
+
+  const World* world_;
+  double base_height_;  // [m] over the floor
   ContactTest contact_;
   Stance stance_;
   ActuationNoise noise_;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "adapters/formats/worlds/reachable_area.h"
+#include "adapters/formats/worlds/sloped_floor.h"
 #include "engine/maps/grid.h"
 
 namespace prospect {
@@ -31,8 +32,8 @@ std::vector<Disc> known_free(const World& world, const Pose& start, double body_
                              const VerticalExtent& slice, double resolution) {
   const Eigen::Vector2d at = start.position.head<2>();
   const double radius = body_radius + 0.75 * resolution;
-  const Grid<std::uint8_t> free =
-      free_columns(world.voxels, {.z_min = slice.z_min, .z_max = slice.z_max});
+  const Grid<std::uint8_t> free = free_columns(*over_the_floor(world, BodySlice{}.step),
+                                               {.z_min = slice.z_min, .z_max = slice.z_max});
   const GridFrame& frame = free.frame;
   const Cell own = frame.cell(at.x(), at.y());
   const double wanted = body_radius + resolution;

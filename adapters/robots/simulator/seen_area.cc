@@ -4,12 +4,15 @@
 #include <algorithm>
 #include <limits>
 
+#include "adapters/formats/worlds/sloped_floor.h"
+
 namespace prospect {
 
 SeenArea::SeenArea(const World& world, const HeightSlice& slice)
     : world_(&world),
       layers_(slice_layers(slice, world.voxels.resolution())),
-      voxels_(world.voxels.data().size(), CellState::kUnknown) {
+      voxels_(world.voxels.data().size(), CellState::kUnknown),
+      levels_(floor_levels(world).data) {
   const auto columns = static_cast<std::size_t>(world.voxels.frame().size());
   free_.assign(columns, 0);
   column_.assign(columns, 0);
@@ -22,9 +25,9 @@ DepthScan SeenArea::look(DepthCamera& camera, const Pose& true_pose,
   DepthScan scan = camera.sense(true_pose, &voxels_, &newly_seen_, walkers);
   const auto depth_layers = static_cast<std::uint32_t>(world_->voxels.depth());
   for (const std::uint32_t index : newly_seen_) {
-    const int k = world_->voxels.k0() + static_cast<int>(index % depth_layers);
-    if (k < layers_.k_low || k > layers_.k_high) continue;
     const std::uint32_t column = index / depth_layers;
+    const int k = world_->voxels.k0() + static_cast<int>(index % depth_layers) - levels_[column];
+    if (k < layers_.k_low || k > layers_.k_high) continue;
     if (column_[column] != 0) continue;
     const bool solid = voxels_[index] == CellState::kOccupied;
     if (!solid) ++free_[column];

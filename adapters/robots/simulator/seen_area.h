@@ -16,8 +16,8 @@
 namespace prospect {
 
 /// What valid depth rays have really seen of a world, whatever an estimate makes of them: its
-/// columns, by the rule of the ground map (any voxel of the slice seen, solid or free). For
-/// evaluation. Thread-safety: one thread changes it.
+/// columns, by the rule of the ground map (any voxel of the slice over the floor seen, solid or
+/// free). For evaluation. Thread-safety: one thread changes it.
 class SeenArea {
  public:
   SeenArea(const World& world, const HeightSlice& slice);
@@ -40,6 +40,7 @@ class SeenArea {
   const World* world_;
   SliceLayers layers_;
   std::vector<CellState> voxels_;              // as seen, indexed like the world's
+  std::vector<int> levels_;                    // of each column's floor [voxels]
   std::vector<std::uint32_t> newly_seen_;      // by the image at hand
   std::vector<std::uint16_t> free_;            // of each column, within the slice
   std::vector<std::uint8_t> column_;           // seen

@@ -130,9 +130,8 @@ struct Simulator::Impl {
     for (; carried < options.carried.size(); ++carried) {
       if (!(options.carried[carried].time <= time + kInstant)) return;
       const Pose from = robot.pose();
-      Pose to = options.carried[carried].to;
-      to.position.z() = from.position.z();
-      robot.carry_to(to);
+      robot.carry_to(options.carried[carried].to);
+      const Pose to = robot.pose();
       sensors->carry(from, to, free_about(to));
     }
   }

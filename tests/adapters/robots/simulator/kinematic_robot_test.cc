@@ -219,6 +219,32 @@ TEST(KinematicRobot, FallsWhereAWheelStandsOverAHoleAndStaysThere) {
   EXPECT_THROW(KinematicRobot(world, shape, {}, over, 1), std::invalid_argument);
 }
 
+TEST(KinematicRobot, StandsOnARampClimbsAStepAndFallsOverTheEdgeOfADock) {
+  World world = test::box_room(8.0, 2.0, 2.0);
+  world.start.position.x() = 1.0;
+  world.slopes = {{{2.0, 0.0}, {5.0, 2.0}, 0.0, {0.1, 0.0}},
+                  {{5.0, 0.0}, {6.0, 2.0}, 0.3, {0.0, 0.0}}};
+  const CylinderShape shape{{0.0, 0.0, 0.3}, 0.2, 0.4};
+  KinematicRobot robot(world, shape, {}, world.start, 1);
+  Twist forward;
+  forward.linear.x() = 0.5;
+  EXPECT_TRUE(robot.move(forward, (4.0 - world.start.position.x()) / 0.5));
+  EXPECT_NEAR(robot.pose().position.z(), 0.2, 1e-9);
+  EXPECT_TRUE(robot.move(forward, 3.0));
+  EXPECT_NEAR(robot.pose().position.z(), 0.3, 1e-9);
+  EXPECT_FALSE(robot.move(forward, 2.0));
+  EXPECT_TRUE(robot.fallen());
+  EXPECT_NEAR(robot.pose().position.x(), 6.0 - Stance::kStance * 0.2, 0.011);
+
+  world.slopes = {{{3.0, 0.0}, {3.2, 2.0}, 0.05, {0.0, 0.0}},
+                  {{4.0, 0.0}, {4.2, 2.0}, 0.06, {0.0, 0.0}}};
+  KinematicRobot over(world, shape, {}, world.start, 1);
+  EXPECT_FALSE(over.move(forward, 10.0));
+  EXPECT_FALSE(over.fallen());
+  EXPECT_EQ(over.collisions(), 1);
+  EXPECT_NEAR(over.pose().position.x(), 4.0 - Stance::kStance * 0.2, 0.011);
+}
+
 TEST(Stance, CornersOfALongBodyStandOnWheels) {
   World world = test::box_room(4.0, 2.0, 1.0);
   test::fill(world, {2.5, 1.2, -0.1}, {2.7, 1.4, 0.0}, CellState::kFree);
