@@ -15,6 +15,7 @@
 #include "engine/behaviour/task_kind.h"
 #include "engine/maps/grid.h"
 #include "engine/maps/localization.h"
+#include "engine/maps/movers.h"
 #include "engine/problem/solver.h"
 #include "engine/safety/guard.h"
 #include "engine/safety/plan.h"
@@ -132,6 +133,7 @@ struct StepRecord {
   std::vector<Eigen::Vector2f>
       frontier_cells;                   ///< centres of active frontier cells, estimated frame
   std::vector<LandmarkView> landmarks;  ///< those the planner considered
+  std::vector<Mover> movers{};          ///< as predicted for `stamp`, estimated frame
   /// Ground cells whose state changed since the previous record.
   std::vector<std::pair<Cell, CellState>> map_changes;
 

@@ -174,6 +174,7 @@ void forget(StepRecord& step) {
   release(step.candidates);
   release(step.landmarks);
   release(step.frontier_cells);
+  release(step.movers);
 }
 
 /// Plans in full (horizon, candidates, landmarks, frontier cells), of some steps, so that a mission
@@ -369,6 +370,7 @@ StepRecord RunRecorder::Impl::record_of(const MissionStep& step) {
                              static_cast<float>(considered.visibility)});
     }
   }
+  r.movers = predicted(belief.movers.get(), belief.stamp);
   r.map_changes =
       map_changes.since_last(*belief.ground, std::exchange(moved, newest_move) != newest_move);
   return r;

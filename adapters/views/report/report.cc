@@ -166,6 +166,24 @@ Json horizon_json(const Steps& steps) {
   return {{"counts", counts.base64()}, {"poses", poses.base64()}};
 }
 
+/// Those that are not sound are left out: x, y, vx, vy, radius of each.
+Json mover_json(const Steps& steps) {
+  BinaryText counts, values;
+  for (const StepRecord& step : steps) {
+    std::uint64_t count = 0;
+    for (const Mover& mover : step.movers) {
+      if (!mover.sound()) continue;
+      ++count;
+      for (const double value : {mover.position.x(), mover.position.y(), mover.velocity.x(),
+                                 mover.velocity.y(), mover.radius}) {
+        values.add_float(value);
+      }
+    }
+    counts.add_varint(count);
+  }
+  return {{"counts", counts.base64()}, {"values", values.base64()}};
+}
+
 template <typename Get>
 std::string column(const Steps& steps, const Get& get) {
   BinaryText text;
@@ -364,6 +382,7 @@ Json steps_json(const Steps& steps, double resolution) {
       {"frontiers", frontier_text(steps, resolution, extent)},
       {"landmarks", landmark_json(steps)},
       {"horizon", horizon_json(steps)},
+      {"movers", mover_json(steps)},
       {"candidates", candidate_json(steps)},
       {"cost_to_go", cost_to_go_json(steps)},
       {"palette", palette_json(steps)},

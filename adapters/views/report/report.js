@@ -28,6 +28,7 @@ const candidateTerms = [];     // their names
 const candidates = [];         // at each step: the best of them
 const landmarkPositions = [], landmarks = [];
 const horizons = [];           // at each step: [x, y, yaw] of the predicted poses
+const movers = [];             // at each step: [x, y, vx, vy, radius] of what moves by itself
 const fields = [];             // the cost-to-go at some of the steps
 const pictures = [];           // what the robot's left camera showed at some of the steps, where it has one
 const modeColors = {};
@@ -141,6 +142,10 @@ function decode(part) {
   {
     const next = varints(part.horizon.counts), poses = floats(part.horizon.poses);
     for (let k = 0, at = 0; k < count; ++k) horizons.push(Array.from({ length: next() }, () => [poses[at++], poses[at++], poses[at++]]));
+  }
+  {
+    const next = varints(part.movers.counts), values = floats(part.movers.values);
+    for (let k = 0, at = 0; k < count; ++k) movers.push(Array.from({ length: next() }, () => Array.from({ length: 5 }, () => values[at++])));
   }
   for (const field of part.cost_to_go) fields.push({ ...field, step: first + field.step });
   for (const picture of loadPictures(part.pictures || [])) pictures.push({ ...picture, frame: first + picture.frame });
@@ -285,7 +290,7 @@ function readColors() {
   const style = getComputedStyle(document.documentElement);
   dark = matchMedia("(prefers-color-scheme: dark)").matches;
   for (const name of ["target", "ink", "ink-2", "ink-3", "line", "accent", "map-unknown", "map-free", "map-occupied", "estimated", "true",
-    "horizon", "frontier", "keep-out", "slow", "seen-low", "seen-high", "view", "halo", "grid", "shade-warn", "shade-bad", "warn", "bad"]) {
+    "horizon", "mover", "frontier", "keep-out", "slow", "seen-low", "seen-high", "view", "halo", "grid", "shade-warn", "shade-bad", "warn", "bad"]) {
     colors[name] = style.getPropertyValue(`--${name}`).trim();
   }
   palette = new Uint32Array(["map-unknown", "map-free", "map-occupied"].map((name) => {
@@ -318,6 +323,7 @@ const layerList = [
   ["corrected", "path as told before corrections", "", "background:var(--warn)", true, isCorrected],
   ["horizon", "plan", "", "background:var(--horizon)", true, () => true],
   ["target", "target", "ring", "border-color:var(--target)", true, () => column.way_left.some(isNumber)],
+  ["movers", "what moves, and where in a second", "ring", "border-color:var(--mover)", true, () => movers.some((list) => list.length > 0)],
   ["zones", "zones and goal", "cell", "background:rgba(var(--keep-out),.3)", true, hasZones],
   ["view", "field of view", "cell", "background:rgba(var(--view),.3)", true, () => true],
   ["frontiers", "frontiers", "cell", "background:var(--frontier)", true, () => true],
@@ -607,6 +613,24 @@ function drawTarget() {
   if (!atGoal) label("target", ...at, colors.target);
   return true;
 }
+// What moves by itself: a disc as large as it is, an arrow to where it is in a second.
+function drawMovers() {
+  for (const [x, y, vx, vy, size] of movers[step]) {
+    const [sx, sy] = toScreen(x, y), [ax, ay] = toScreen(x + vx, y + vy), length = Math.hypot(ax - sx, ay - sy);
+    for (const [color, extra] of [[colors.halo, 2.5], [colors.mover, 0]]) {
+      pen.strokeStyle = pen.fillStyle = color; pen.lineWidth = 2 + extra;
+      pen.beginPath(); pen.arc(sx, sy, Math.max(4, size * view.scale), 0, 2 * Math.PI); pen.stroke();
+      if (length < 8) continue;  // it stands
+      pen.beginPath(); pen.moveTo(sx, sy); pen.lineTo(ax, ay); pen.stroke();
+      pen.beginPath();
+      for (const [forward, side] of [[2, 0], [-7, 4], [-7, -4]]) {
+        pen.lineTo(ax + (forward * (ax - sx) - side * (ay - sy)) / length, ay + (forward * (ay - sy) + side * (ax - sx)) / length);
+      }
+      pen.closePath(); pen.fill();
+    }
+  }
+  return movers[step].length;
+}
 function drawCandidate(c, color, width) {
   trace(c.path);
   pen.strokeStyle = colors.halo; pen.lineWidth = width + 2.5; pen.stroke();
@@ -682,6 +706,7 @@ function draw() {
   if (layers.estimated && by) coloredPath(column.estimated_x, column.estimated_y, step, by);
   else if (layers.estimated) path(column.estimated_x, column.estimated_y, step, colors.estimated, 2);
   legend(by, tint ? field : null);
+  const moving = layers.movers ? drawMovers() : 0;
   const target = layers.target && drawTarget();
   const goal = layers.zones && drawGoal();
   if (layers.candidates) for (const c of candidates[step]) if (c.verdict !== "executed") drawCandidate(c, colors["ink-3"], 1.25);
@@ -725,7 +750,7 @@ function draw() {
   }
   pen.closePath(); pen.fillStyle = colors.halo; pen.fill();
   scaleBar();
-  Object.assign(drawn, { target, goal, field: tint ? field.step : null, x, y, yaw, sx, sy, radius, frontiers: frontier.size, landmarks: landmarks[step].index.length, horizon: horizons[step].length });
+  Object.assign(drawn, { target, goal, field: tint ? field.step : null, x, y, yaw, sx, sy, radius, frontiers: frontier.size, movers: moving, landmarks: landmarks[step].index.length, horizon: horizons[step].length });
 }
 
 function resize() {

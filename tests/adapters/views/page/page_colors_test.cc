@@ -96,7 +96,7 @@ TEST(PageColors, TextIsReadableByDayAndAtNight) {
             << text << " on " << behind << (dark ? ", dark" : "");
       }
     }
-    for (const char* mark : {"estimated", "true", "horizon", "frontier", "target", "seen-high"}) {
+    for (const char* mark : {"estimated", "true", "horizon", "frontier", "target", "mover", "seen-high"}) {
       EXPECT_GE(contrast(colors[mark], colors["map-free"]), 3.0) << mark << (dark ? ", dark" : "");
     }
   }
@@ -106,7 +106,8 @@ TEST(PageColors, MarksOfTheMapAreApartWithoutRedAndGreen) {
   const std::pair<const char*, const char*> pairs[] = {
       {"estimated", "frontier"}, {"true", "frontier"},      {"horizon", "frontier"},
       {"target", "frontier"},    {"seen-high", "frontier"}, {"estimated", "horizon"},
-      {"estimated", "true"},     {"estimated", "target"}};
+      {"estimated", "true"},     {"estimated", "target"},   {"mover", "target"},
+      {"mover", "horizon"},      {"mover", "estimated"},    {"mover", "frontier"}};
   for (const bool dark : {false, true}) {
     Colors colors = scheme(dark);
     for (const auto& [a, b] : pairs) {
