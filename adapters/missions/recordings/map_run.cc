@@ -86,6 +86,7 @@ class FloorMap {
     }
     perception.depth_mapping = options.mapper;
     perception.mapping = options.mapper.map;
+    perception.movers = options.movers;
     perception_.emplace(perception);
   }
 

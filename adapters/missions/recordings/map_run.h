@@ -13,6 +13,7 @@
 #include "adapters/missions/recordings/wall_thickness.h"
 #include "perception/mapping/depth_mapper.h"
 #include "perception/mapping/ground_hypotheses.h"
+#include "perception/mapping/mover_tracker.h"
 
 namespace prospect {
 
@@ -30,6 +31,7 @@ struct MapRunOptions {
   double height_tolerance = 0.1;  ///< [m]
   /// The poses drift, and places that are seen again correct them; needs poses and Ceres.
   bool loops = false;
+  MoverTrackerOptions movers{};
 };
 
 /// One frame of a run. With poses, `up` and `height_error` are in W: the measured normal, and the

@@ -67,6 +67,7 @@ MapRun run_scan_mapping(const ScanSource& source, const ScanPlacement& placement
                         options.loops);
   options_of_all.mapping = mapping.map;
   options_of_all.scan_mapping = mapping;
+  options_of_all.movers = options.movers;
   PerceptionPipeline perception(options_of_all);
   PoseDrift drift;
   Elements scans("scans");

@@ -8,6 +8,7 @@
 
 #include "adapters/formats/datasets/scan_source.h"
 #include "adapters/missions/recordings/map_run.h"
+#include "perception/mapping/mover_tracker.h"
 #include "perception/mapping/scan_mapper.h"
 
 namespace prospect {
@@ -29,6 +30,7 @@ ScanPlacement place_scans(const ScanSource& source, double height, int first = 0
 struct ScanRunOptions {
   ScanMapperOptions mapper;
   bool loops = false;  ///< as MapRunOptions
+  MoverTrackerOptions movers{};
 };
 
 /// Maps a recording by PerceptionPipeline, from scan `first`, at most `max_scans` (0: all). The

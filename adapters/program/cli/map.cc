@@ -326,6 +326,7 @@ MapInput depth_input(const MapArguments& arguments, const PerceptionOptions& per
   MapRunOptions run_options;
   run_options.mapper = perception.depth_mapping;
   run_options.mapper.map = perception.mapping;
+  run_options.movers = perception.movers;
   const double resolution = perception.mapping.resolution;
   run_options.mapper.map.max_range = arguments.range.value_or(kDepthRange);
   if (dataset.stereo()) {
@@ -400,8 +401,9 @@ MapInput scan_input(const MapArguments& arguments, const PerceptionOptions& perc
   input.notes.insert(input.notes.end(), placement.notes.begin(), placement.notes.end());
   if (!arguments.range) input.notes.push_back(range_note(options.map.max_range));
   input.without_pose = static_cast<int>(source.without_pose);
+  const MoverTrackerOptions movers = perception.movers;
   input.run = [=, first = arguments.first](int frames, bool loops, const MapRunWatch& watch) {
-    return run_scan_mapping(source, placement, {options, loops}, first, frames, watch);
+    return run_scan_mapping(source, placement, {options, loops, movers}, first, frames, watch);
   };
   return input;
 }

@@ -398,6 +398,7 @@ std::string perceived(const PerceptionOptions& perception, Use use) {
     text.add_all(perception.odometry), text.add_all(perception.inertial);
   } else if (use == Use::kMapScans) {
     text.add_all(perception.scan_mapping), text.add_all(perception.mapping);
+    text.add_all(perception.movers);
   } else {
     DepthMapperOptions mapper = perception.depth_mapping;
     mapper.map = perception.mapping;
@@ -405,7 +406,7 @@ std::string perceived(const PerceptionOptions& perception, Use use) {
       set_stereo_accuracy({}, 4.0, mapper);
       mapper.max_speed = StereoOdometryOptions().max_speed;
     }
-    text.add_all(mapper), text.add_all(mapper.map);
+    text.add_all(mapper), text.add_all(mapper.map), text.add_all(perception.movers);
   }
   return text.text.str();
 }

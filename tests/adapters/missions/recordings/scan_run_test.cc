@@ -387,5 +387,47 @@ TEST_F(ScanRun, LoopsMovePosesThatAreRightByLessThanAVoxel) {
   EXPECT_LT(drive.error(straight), 0.05);
 }
 
+TEST_F(ScanRun, WhoWalksIsInTheMapWhereMoversAreSwitchedOff) {
+  // A room of 8 m, with a lidar in its middle; somebody 0.4 m wide comes in after a second.
+  const auto somebody = [](std::size_t k) {
+    return Eigen::Vector2d(2.0, 3.0 - 0.1 * (static_cast<double>(k) - 10.0));
+  };
+  ScanSource source;
+  source.layout = "made";
+  source.from = "/scan", source.fixed = "odom";
+  source.scans = 40;
+  for (std::size_t k = 0; k < source.scans; ++k) {
+    source.stamps.push_back(0.1 * static_cast<double>(k));
+    source.poses.push_back(LidarRecording::at(0.0, 0.0, 0.25, 0.0));
+  }
+  source.read = [&](std::size_t k) {
+    DepthScan scan;
+    for (int i = 0; i < 720; ++i) {
+      const double a = 2.0 * M_PI * i / 720;
+      const Eigen::Vector2d along(std::cos(a), std::sin(a));
+      double range = 4.0 / along.cwiseAbs().maxCoeff();
+      const double ahead = along.dot(somebody(k));
+      const double in = 0.04 - somebody(k).squaredNorm() + ahead * ahead;
+      if (k > 10 && ahead > 0.0 && in > 0.0) range = std::min(range, ahead - std::sqrt(in));
+      scan.hits.emplace_back(range * along.x(), range * along.y(), 0.0);
+    }
+    return scan;
+  };
+  ScanRunOptions options;
+  options.mapper.map.max_range = 8.0;
+  for (const bool follows : {true, false}) {
+    options.movers.enabled = follows;
+    const MapRun run = run_scan_mapping(source, place_scans(source, 0.25), options);
+    const GroundMap& ground = *run.maps.ground;
+    int inside = 0;
+    for (int n = 0; n < ground.frame().size(); ++n) {
+      const Cell c = ground.frame().at(n);
+      inside += ground.state(c) == CellState::kOccupied &&
+                ground.frame().center(c).cwiseAbs().maxCoeff() < 3.8;
+    }
+    EXPECT_EQ(inside > 0, !follows) << inside;
+  }
+}
+
 }  // namespace
 }  // namespace prospect::scan_run_test

@@ -96,7 +96,8 @@ TEST(PageColors, TextIsReadableByDayAndAtNight) {
             << text << " on " << behind << (dark ? ", dark" : "");
       }
     }
-    for (const char* mark : {"estimated", "true", "horizon", "frontier", "target", "mover", "seen-high"}) {
+    for (const char* mark :
+         {"estimated", "true", "horizon", "frontier", "target", "mover", "seen-high"}) {
       EXPECT_GE(contrast(colors[mark], colors["map-free"]), 3.0) << mark << (dark ? ", dark" : "");
     }
   }
