@@ -29,34 +29,36 @@ using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
 FrameLocation FrameLocator::locate(std::vector<Track>& tracks, const Isometry3d& prior,
-                                   bool trust_prior, const MotionExpectation& expected) const {
+                                   bool trust_prior, const MotionExpectation& expected,
+                                   int level) const {
   Stopwatch watch;
   FrameLocation result;
   for (Track& t : tracks) t.tracked = t.inlier = t.has_right = false;
   const Vector3d sigma(options_.sigma_corner, options_.sigma_corner, options_.sigma_disparity);
   TrackObservations observed;
   PoseEstimate coarse;
-  PoseEstimatorOptions level_1 = options_.pose;
-  level_1.sigma_left = 2.0 * options_.pose.sigma_left + 0.3;  // pixels of that level, and its blur
-  const int deep = options_.pyramid_levels - 1;
-  for (int top : {trust_prior ? std::min(2, deep) : deep, deep}) {
-    track_coarse(tracks, prior, expected.moving_T_CW, left_, top, camera_, options_);
+  PoseEstimatorOptions by_coarse = options_.pose;
+  by_coarse.sigma_left = 2.0 * options_.pose.sigma_left + 0.3;  // pixels of level 1, and its blur
+  by_coarse.sigma_left *= 1 << level;
+  const int deep = options_.pyramid_levels - 1, bottom = level + 1;
+  for (int top : {trust_prior ? std::min(bottom + 1, deep) : deep, deep}) {
+    track_coarse(tracks, prior, expected.moving_T_CW, left_, {top, bottom}, camera_, options_);
     const auto in_view = std::count_if(tracks.begin(), tracks.end(),
                                        [](const Track& t) { return t.in_view && !t.moving; });
     times_.tracking += watch.lap();
     observed = observe_tracks(tracks, sigma, offset_);
-    coarse = ransac_pose(camera_, observed.seen, prior, seed_, level_1);
+    coarse = ransac_pose(camera_, observed.seen, prior, seed_, by_coarse);
     times_.pose += watch.lap();
     if (top == deep || (coarse.solved && 2 * coarse.inliers >= in_view)) break;
   }
   if (!coarse.solved) return result;
-  coarse = refine_pose(camera_, observed.seen, coarse.inlier, coarse.T_CW, level_1);
+  coarse = refine_pose(camera_, observed.seen, coarse.inlier, coarse.T_CW, by_coarse);
   times_.pose += watch.lap();
   if (!coarse.solved) return result;
-  result.second = find_second(tracks, observed, level_1, expected, coarse);
+  result.second = find_second(tracks, observed, by_coarse, expected, coarse);
   times_.pose += watch.lap();
   // From here the predictions are good to about a pixel, and the warps are right.
-  track_fine(tracks, coarse.T_CW, left_, right_, camera_, offset_, options_);
+  track_fine(tracks, coarse.T_CW, {left_, right_, level}, camera_, offset_, options_);
   times_.tracking += watch.lap();
   observed = observe_tracks(tracks, sigma, offset_);
   result.pose = refine_pose(camera_, observed.seen, {}, coarse.T_CW, options_.pose);
@@ -110,7 +112,7 @@ std::vector<int> FrameLocator::find_missing(std::vector<Track>& tracks,
   const Isometry3d prior = turned_by_shift(before.T_CW, before.coarse, now, camera_.left, part);
   std::vector<Track> again;
   for (const int i : missing) again.push_back(tracks[static_cast<std::size_t>(i)]);
-  track_coarse(again, prior, {}, left_, options_.pyramid_levels - 1, camera_, options_);
+  track_coarse(again, prior, {}, left_, {options_.pyramid_levels - 1, 1}, camera_, options_);
   std::vector<int> found;
   for (std::size_t k = 0; k < again.size(); ++k) {
     if (!again[k].tracked) continue;

@@ -50,7 +50,8 @@ class FrameLocator {
   /// The pose by these landmarks, near `prior`: coarse tracking from there; RANSAC and refinement;
   /// tracking in both images from that pose; refinement. A prior that is not trusted is taken to
   /// be far off: tracking begins at the coarsest level. So it does if less than half of the
-  /// landmarks agree. Sets in_view, tracked, inlier, left, right and has_right of the tracks.
+  /// landmarks agree. Levels of the pyramids finer than `level` are not looked at. Sets in_view,
+  /// tracked, inlier, left, right and has_right of the tracks.
   ///
   /// Of those that do not agree, and those that moved before, at least 12 and a tenth as many may
   /// agree on another motion. Then the likelier one of the two is the world's
@@ -58,7 +59,7 @@ class FrameLocator {
   /// that are not found where they were are looked for by the shift of their part of the image: a
   /// camera is at rest only if all of the view is, and not a thing that it carries.
   FrameLocation locate(std::vector<Track>& tracks, const Eigen::Isometry3d& prior, bool trust_prior,
-                       const MotionExpectation& expected) const;
+                       const MotionExpectation& expected, int level = 0) const;
 
  private:
   /// The other motion, if there is one; `world` becomes the likelier one.

@@ -16,8 +16,9 @@ class FrozenImages {
   std::string find(const ImageView& left, const ImageView& right) const;
   /// Copies them.
   void keep(const ImageView& left, const ImageView& right);
-  /// The copy of the left image; nobody changes it any more.
+  /// The copies; nobody changes them any more.
   const std::shared_ptr<const Image>& left() const { return left_; }
+  const std::shared_ptr<const Image>& right() const { return right_; }
 
  private:
   std::shared_ptr<const Image> left_, right_;

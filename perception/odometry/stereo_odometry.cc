@@ -57,6 +57,8 @@ using Vector6d = Eigen::Matrix<double, 6, 1>;
 /// Poses of so many frames stand in the joint covariance beside the anchors, for
 /// covariance_since(), under a number of their own.
 constexpr std::uint64_t kRememberedFrames = 20;
+/// Level of the pyramids, of the smallest images by which a frame is located.
+constexpr int kSmallest = 2;
 /// Probability of another motion from which on the pose is degraded.
 constexpr double kDoubt = 0.01;
 /// Landmarks of the world that tell a pose that is its own from that of something which moves: so
@@ -140,7 +142,8 @@ struct StereoOdometry::Impl {
   MotionPrior as_before, as_measured, as_by_imu;
   std::optional<Isometry3d> by_imu;  // to the next frame
   SecondMotion second;
-  bool may_be_carried = false;  // what the newest frame tracks
+  bool may_be_carried = false;    // what the newest frame tracks
+  bool in_smaller_image = false;  // the newest frame was located there only
   /// Landmarks that were there when the map began, or were found with enough of such.
   std::unordered_set<std::uint64_t> of_world;
   std::optional<double> unknown_since;  // when it was last known to be the world; none: it is [s]
@@ -232,14 +235,18 @@ struct StereoOdometry::Impl {
 
   /// Where the frame was taken: from where the robot should be by `motion` or as it moved before;
   /// if that fails, once more as if nothing had been measured, from where it was, and from the
-  /// newest views that were kept. Changes the tracks to those that were found.
+  /// newest views that were kept; then by smaller images. Changes the tracks to those that were
+  /// found.
   Candidate locate(double stamp, const FrameImages& now, const std::optional<Isometry3d>& motion,
                    OdometryTimes& times) {
-    const FrameLocator locator(camera, options, offset, options.seed + frame, now.left, *now.right,
-                               times);
     const MotionExpectation expected = expectation(stamp, motion);
-    const auto from = [&](std::vector<Track>& points, const Isometry3d& prior, bool trust_prior) {
-      Candidate candidate{locator.locate(points, prior, trust_prior, expected), {}};
+    const auto from = [&](std::vector<Track>& points, const Isometry3d& prior, bool trust_prior,
+                          int level = 0) {
+      const ImagePyramid smaller =
+          level > 0 ? ImagePyramid(images.right()->view(), level + 1) : ImagePyramid();
+      const FrameLocator locator(camera, options, offset, options.seed + frame, now.left,
+                                 level > 0 ? smaller : *now.right, times);
+      Candidate candidate{locator.locate(points, prior, trust_prior, expected, level), {}};
       candidate.judgement =
           judge_pose(candidate.location, points, trusted, stamp, camera.left, options);
       return candidate;
@@ -251,6 +258,7 @@ struct StereoOdometry::Impl {
       return trusted.velocity ? trusted.continued(stamp) : turned(trusted.T_CW, trusted.coarse);
     };
     const bool measured = (motion && motion->matrix().allFinite()) || by_imu;
+    in_smaller_image = false;
     Candidate candidate = from(tracks, measured ? expectation(stamp, motion).T_CW : gone_on(),
                                measured || (trusted.velocity && !clock.gap()));
     if (candidate.judgement.state != Localization::kLost) return candidate;
@@ -258,8 +266,8 @@ struct StereoOdometry::Impl {
       for (Track& t : tracks) t.moving = false;
     }
 
-    const auto retry = [&](std::vector<Track> points, const Isometry3d& prior) {
-      Candidate other = from(points, prior, false);
+    const auto retry = [&](std::vector<Track> points, const Isometry3d& prior, int level = 0) {
+      Candidate other = from(points, prior, false, level);
       if (other.judgement.state == Localization::kLost) return false;
       candidate = std::move(other);
       tracks = std::move(points);
@@ -275,6 +283,13 @@ struct StereoOdometry::Impl {
     if (retry(tracks, turned(trusted.T_CW, trusted.coarse))) return candidate;
     for (auto recall = recalls.all().rbegin(); recall != recalls.all().rend(); ++recall) {
       if (retry(recall->tracks, turned(recall->T_CW, recall->coarse))) return candidate;
+    }
+    // What blur or noise hides is there in smaller images.
+    for (int level = 1; level <= std::min(kSmallest, now.left.levels() - 2); ++level) {
+      if (!retry(tracks, gone_on(), level)) continue;
+      in_smaller_image = true;
+      add_reason(candidate.judgement.reason, "points are found in a smaller image only");
+      break;
     }
     return candidate;
   }
@@ -699,7 +714,8 @@ OdometryFrame StereoOdometry::Impl::process(double stamp, const ImageView& left,
     state = Localization::kDegraded;
   }
   count();
-  if (!search) {
+  // Patches of what is blurred would not be found again.
+  if (!search && !in_smaller_image) {
     const KeyframeEvidence evidence = keyframe.evidence(
         location, tracks, grid(static_cast<int>(corner_cell() * 2.0)), camera.left.width);
     out.keyframe_reason = keyframe_reason(evidence, options.keyframes);
@@ -721,7 +737,8 @@ OdometryFrame StereoOdometry::Impl::process(double stamp, const ImageView& left,
     if (!options.background_mapping) out.matched = enter_landmarks(true);
   } else {
     std::erase_if(tracks, [&](const Track& t) { return t.misses > options.max_misses; });
-    if (recalls.shift(tracks) > options.keyframes.max_shift * camera.left.width) {
+    if (!in_smaller_image &&
+        recalls.shift(tracks) > options.keyframes.max_shift * camera.left.width) {
       remember_view(trusted.T_CW, trusted.coarse);
     }
   }

@@ -7,6 +7,7 @@
 
 #include "models/camera.h"
 #include "perception/odometry/image_pyramid.h"
+#include "perception/odometry/patch_tracker.h"
 #include "perception/odometry/stereo_odometry_options.h"
 #include "perception/odometry/track.h"
 
@@ -16,18 +17,26 @@ namespace prospect {
 /// predicted at the pose T_CW. Both forget what the last pass found, and set in_view, tracked and
 /// left of every track. Deterministic; no state.
 ///
-/// First pass: the left image only, from level `top` of the pyramid down to level 1. Some of what
-/// it finds is wrong. Those that move are predicted at `moving_T_CW` instead; none: at T_CW, too.
+/// First pass: the left image only, from the top of these levels of the pyramid down to the bottom.
+/// Some of what it finds is wrong. Those that move are predicted at `moving_T_CW` instead; none: at
+/// T_CW, too.
 void track_coarse(std::vector<Track>& tracks, const Eigen::Isometry3d& T_CW,
                   const std::optional<Eigen::Isometry3d>& moving_T_CW, const ImagePyramid& left,
-                  int top, const StereoCamera& camera, const StereoOdometryOptions& options);
+                  LevelRange levels, const StereoCamera& camera,
+                  const StereoOdometryOptions& options);
 
-/// Second pass: both images at full size, from a pose that is good to about a pixel, without those
-/// that move. Sets right,
+/// The images of a pair, and the level of their pyramids that is looked at.
+struct PairLevel {
+  const ImagePyramid& left;
+  const ImagePyramid& right;
+  int level = 0;
+};
+
+/// Second pass: both images on one level, from a pose that is good to about a pixel of it, without
+/// those that move. Sets right,
 /// has_right, in_right and row_error, too. `offset`: correction of the disparity's zero [px].
-void track_fine(std::vector<Track>& tracks, const Eigen::Isometry3d& T_CW, const ImagePyramid& left,
-                const ImagePyramid& right, const StereoCamera& camera, double offset,
-                const StereoOdometryOptions& options);
+void track_fine(std::vector<Track>& tracks, const Eigen::Isometry3d& T_CW, const PairLevel& pair,
+                const StereoCamera& camera, double offset, const StereoOdometryOptions& options);
 
 /// Those that the left image shows, at the pose T_CW, but the right one not near their rows: looks
 /// for them in any row, from the top of the pyramid on. Sets in_right and row_error alone, for

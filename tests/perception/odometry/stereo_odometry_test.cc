@@ -597,6 +597,27 @@ TEST(StereoOdometry, FaultsAreNoticedAndOvercome) {
   }
 }
 
+TEST(StereoOdometry, WhatBlurHidesIsFoundInASmallerImage) {
+  const Sequence& s = moving();
+  StereoOdometry odometry(small_camera(), {}, s.T_WC[5]);
+  for (int k = 5; k < 26; ++k) {
+    SCOPED_TRACE(k);
+    const bool blurred = k >= 12 && k < 22;
+    StereoFrame frame = s.frames[k];
+    if (blurred) {
+      frame.left = test::box_blur(frame.left, 7);
+      frame.right = test::box_blur(frame.right, 7);
+    }
+    const auto out = odometry.process(frame.stamp, frame.left.view(), frame.right.view());
+    EXPECT_EQ(out.state, blurred ? Localization::kDegraded : Localization::kOk) << out.reason;
+    EXPECT_FALSE(out.restarted);
+    EXPECT_FALSE(blurred && out.keyframe);
+    const double off = (out.T_WC.translation() - s.T_WC[k].translation()).norm();
+    EXPECT_LT(off, 0.05);
+    EXPECT_LT(off, 1e-9 + 4.0 * std::sqrt(out.covariance.topLeftCorner<3, 3>().trace()));
+  }
+}
+
 TEST(StereoOdometry, AfterASecondOfDarknessItGoesOnWhereTheRobotHasGone) {
   // 0.5 rad/s: the view has moved by 29 degrees when there is light again.
   const RenderedRoom room;
