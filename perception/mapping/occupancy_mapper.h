@@ -66,6 +66,9 @@ struct OccupancyMapperOptions {
   /// in each are outnumbered, and the wall opens. 0.9 and more: every voxel that it pierces, as
   /// OctoMap does.
   double core = 0.35;
+  /// Whether the floor may rise: ramps and thresholds are ground where they join it (FloorJoin).
+  /// Then each scan looks at all that is known of the floor once something low was met.
+  bool slopes = false;
 };
 
 /// The knobs (models/knobs.h) of the sensor model; resolution, range and slice come from robot and

@@ -60,6 +60,7 @@ void describe(Knobs& knobs, OccupancyMapperOptions& o) {
                "the same, times the squared range");
   knobs.number("core", o.core, {0.01, 1.0}, "1",
                "how near to the axis of a voxel a ray clears it, in voxels");
+  knobs.boolean("slopes", o.slopes, "ramps and thresholds are ground where they join the floor");
 }
 
 }  // namespace prospect

@@ -437,9 +437,9 @@ TEST(KnobMembers, EveryNumberAndSwitchIsAKnob) {
     OccupancyMapperOptions o;
     [[maybe_unused]] auto& [resolution, max_range, z_min, z_max, slice, probability_hit,
                             probability_miss, probability_min, probability_max, offset_constant,
-                            offset_quadratic, core] = o;
+                            offset_quadratic, core, slopes] = o;
     EXPECT_KNOBS(o, resolution, z_min, z_max, probability_hit, probability_miss, probability_min,
-                 probability_max, offset_constant, offset_quadratic, core);
+                 probability_max, offset_constant, offset_quadratic, core, slopes);
   }
   {
     ActuationNoise o;

@@ -30,9 +30,11 @@ struct Explored {
 
 Explored explore(const std::string& yaml, double time_limit) {
   World world = world_from_yaml(yaml, "ramps");
-  const Configuration c = configuration_from_text(
-      "mission: {time_limit: " + std::to_string(time_limit) + "}\ntask: {kind: explore}\n",
-      "ramps");
+  const Configuration c =
+      configuration_from_text("mission: {time_limit: " + std::to_string(time_limit) +
+                                  "}\ntask: {kind: explore}\n"
+                                  "perception: {mapping: {slopes: true}}\n",
+                              "ramps");
   place_start(world, world_options_for(c).slice, std::nullopt, true);
   const auto shared = std::make_shared<const World>(std::move(world));
   const ExplorationRunResult result = run_exploration(shared, c, {});
