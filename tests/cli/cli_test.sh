@@ -1037,4 +1037,14 @@ for command in explore report solve bench inspect odometry map list config; do
   grep -q "^  $command " out.txt || fail "--help does not name '$command'"
 done
 
+# --- A machine in a folder may have no /proc.
+without_proc() { unshare --user --map-root-user --mount bash -c 'mount -t tmpfs none /proc && exec "$@"' bash "$@"; }
+if without_proc true 2>err.txt; then
+  code=0
+  without_proc "$prospect" list worlds >out.txt 2>err.txt || code=$?
+  ((code == 0)) && grep -q office out.txt || fail "without /proc: exit $code: $(<err.txt)"
+else
+  echo "cli: skipped: no machine without /proc can be made here: $(<err.txt)"
+fi
+
 finish
