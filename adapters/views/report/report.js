@@ -1022,13 +1022,6 @@ const nowFields = (() => {
   add("Localization", (k) => `${word.localization[k]}, error ${fixed(column.localization_error[k], 3)} m`,
     { tone: (k) => ({ degraded: "warn", lost: "bad" })[word.localization[k]] || "" });
   add("Features, predicted", (k) => `${fixed(column.tracked_features[k], 0)}, ${fixed(column.predicted_features[k], 0)}`);
-  // What was said when it was last asked which is next.
-  add("Frontiers", (k) => {
-    let asked = k;
-    while (asked > 0 && !word.frontiers[asked]) --asked;
-    const said = word.frontiers[asked] ? `: ${word.frontiers[asked].replaceAll("m2", "m²")}` : "";
-    return `${fixed(column.active_frontiers[k], 0)} active${said}`;
-  }, { wide: true });
   add("Collisions", (k) => fixed(column.collisions[k], 0), { tone: (k) => (column.collisions[k] > 0 ? "bad" : "") });
   add("Plan", (k) => word.plan_kind[k] + (word.seed[k] ? `, from ${readable(word.seed[k])}` : ""),
     { wide: true, tone: (k) => (word.plan_kind[k] === "stopping tail" ? "warn" : "") });
@@ -1038,6 +1031,13 @@ const nowFields = (() => {
     { wide: true, tone: (k) => (["numerical trouble", "error"].includes(word.stop_reason[k]) || word.quality[k] === "infeasible" ? "warn" : "") });
   add("Guard", (k) => (column.guard_stops[k] > 0 ? `${plural(column.guard_stops[k], "stop")}${word.guard_reason[k] ? `: ${word.guard_reason[k]}` : ""}` : "no stop"),
     { there: () => column.guard_stops.some((count) => count > 0), tone: (k) => (column.guard_stops[k] > 0 ? "warn" : "") });
+  // What was said when it was last asked which is next.
+  add("Frontiers", (k) => {
+    let asked = k;
+    while (asked > 0 && !word.frontiers[asked]) --asked;
+    const said = word.frontiers[asked] ? `: ${word.frontiers[asked].replaceAll("m2", "m²")}` : "";
+    return `${fixed(column.active_frontiers[k], 0)} active${said}`;
+  }, { full: true });
   add("Certificate", (k) => [column.certified[k] === 1 ? "held" : "not held", word.certificate[k]].filter(Boolean).join(": "),
     { full: true, tone: (k) => (column.certified[k] === 1 ? "" : "warn") });
   return fields;
