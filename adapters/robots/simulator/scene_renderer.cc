@@ -11,9 +11,11 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <map>
+#include <span>
 #include <stdexcept>
 #include <string>
 
@@ -294,16 +296,20 @@ struct SceneRenderer::Impl {
     }
   };
 
+  static std::span<const std::uint32_t> first(const std::uint32_t* triangles, int count) {
+    return {triangles, static_cast<std::size_t>(count)};
+  }
+
   // Greys of the squares of `size` pixels about a packet's pixels, which show these triangles.
-  void look_up(ViewCache& cache, const Rays& rays, const std::uint32_t* triangles, int count,
+  void look_up(ViewCache& cache, const Rays& rays, std::span<const std::uint32_t> triangles,
                const float* u, const float* v, float size, float* grey) const {
     alignas(64) float of_one[kPacket];
-    std::uint32_t left = (1u << count) - 1u;  // pixels that are to be looked up
+    std::uint32_t left = (1u << triangles.size()) - 1u;  // pixels that are to be looked up
     while (left != 0) {
-      const std::uint32_t triangle = triangles[std::countr_zero(left)];
+      const std::uint32_t triangle = triangles[static_cast<std::size_t>(std::countr_zero(left))];
       if (triangle != kNothing)
         kernel(cache.get(*this, rays, triangle).textured, u, v, size, of_one);
-      for (int n = 0; n < count; ++n) {
+      for (std::size_t n = 0; n < triangles.size(); ++n) {
         if (triangles[n] != triangle) continue;
         grey[n] = triangle == kNothing ? static_cast<float>(options.background) : of_one[n];
         left &= ~(1u << n);
@@ -408,7 +414,7 @@ struct SceneRenderer::Impl {
     std::vector<std::uint32_t> shown(size);
     each_packet(rays, threads, [&](ViewCache& cache, const Packet& packet) {
       float grey[kPacket];
-      look_up(cache, rays, packet.triangles, packet.count, packet.u, packet.v, 1.0f, grey);
+      look_up(cache, rays, first(packet.triangles, packet.count), packet.u, packet.v, 1.0f, grey);
       for (int n = 0; n < packet.count; ++n) {
         shown[packet.at[n]] = packet.triangles[n];
         centres[packet.at[n]] = grey[n];
@@ -437,7 +443,7 @@ struct SceneRenderer::Impl {
         }
         trace(rays, u, v, pixels * kSubs, triangles);
         float greys[kPacket];
-        look_up(cache, rays, triangles, pixels * kSubs, u, v, 0.5f, greys);
+        look_up(cache, rays, first(triangles, pixels * kSubs), u, v, 0.5f, greys);
         for (int p = 0; p < pixels; ++p) {
           float sum = 0.0f;
           for (int n = p * kSubs; n < (p + 1) * kSubs; ++n) sum += greys[n];
@@ -483,7 +489,7 @@ struct SceneRenderer::Impl {
         float greys[kPacket];
         if (count > 0) {
           trace(below, u, v, count, triangles, near);
-          look_up(cache, below, triangles, count, u, v, kGloss, greys);
+          look_up(cache, below, first(triangles, count), u, v, kGloss, greys);
         }
         for (int n = 0; n < count; ++n) mirror[at[n]] = greys[n];
         count = 0;
@@ -580,7 +586,7 @@ struct SceneRenderer::Impl {
       float grey[kPacket];
       const auto nothing = [](std::uint32_t triangle) { return triangle == kNothing; };
       if (std::all_of(packet.triangles, packet.triangles + packet.count, nothing)) return;
-      look_up(cache, rays, packet.triangles, packet.count, packet.u, packet.v, 1.0f, grey);
+      look_up(cache, rays, first(packet.triangles, packet.count), packet.u, packet.v, 1.0f, grey);
       each_depth(rays, cache, packet, [&](const SurfaceView& view, std::size_t at, int n, float z) {
         const Eigen::Vector3f ray = to_C * Eigen::Vector3f(packet.u[n], packet.v[n], 1.0f);
         layer.grey[at] = grey[n];
