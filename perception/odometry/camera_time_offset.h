@@ -89,9 +89,9 @@ class CameraTimeOffset {
   std::string reason(double period) const;
 
  private:
-  static constexpr int kReach = 2;                    // frames before and after
+  static constexpr int kReach = 2;                                 // frames before and after
   static constexpr std::size_t kPieces = std::size_t{4} * kReach;  // by times, then by numbers
-  static constexpr std::size_t kSize = 6;             // of (tau [s], c [px])
+  static constexpr std::size_t kSize = 6;                          // of (tau [s], c [px])
   using Vector = Eigen::Matrix<double, kSize, 1>;
   using Matrix = Eigen::Matrix<double, kSize, kSize>;
 

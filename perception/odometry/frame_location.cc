@@ -55,7 +55,8 @@ FrameLocation FrameLocator::locate(std::vector<Track>& tracks, const Isometry3d&
   coarse = refine_pose(camera_, observed.seen, coarse.inlier, coarse.T_CW, by_coarse);
   times_.pose += watch.lap();
   if (!coarse.solved) return result;
-  result.second = find_second(tracks, observed, by_coarse, expected, coarse);
+  // Blurred points agree on anything a pixel of a smaller image apart.
+  if (level == 0) result.second = find_second(tracks, observed, by_coarse, expected, coarse);
   times_.pose += watch.lap();
   // From here the predictions are good to about a pixel, and the warps are right.
   track_fine(tracks, coarse.T_CW, {left_, right_, level}, camera_, offset_, options_);

@@ -50,8 +50,9 @@ class FrameLocator {
   /// The pose by these landmarks, near `prior`: coarse tracking from there; RANSAC and refinement;
   /// tracking in both images from that pose; refinement. A prior that is not trusted is taken to
   /// be far off: tracking begins at the coarsest level. So it does if less than half of the
-  /// landmarks agree. Levels of the pyramids finer than `level` are not looked at. Sets in_view,
-  /// tracked, inlier, left, right and has_right of the tracks.
+  /// landmarks agree. Levels of the pyramids finer than `level` are not looked at, and then no
+  /// other motion is looked for. Sets in_view, tracked, inlier, left, right and has_right of the
+  /// tracks.
   ///
   /// Of those that do not agree, and those that moved before, at least 12 and a tenth as many may
   /// agree on another motion. Then the likelier one of the two is the world's

@@ -271,9 +271,7 @@ std::string random_floor_plan(std::uint64_t seed, const std::optional<FloorPlanS
 }
 
 std::string_view kind_of(PlanFloor floor) {
-  return floor == PlanFloor::kDrops   ? "drops"
-         : floor == PlanFloor::kRamps ? "ramps"
-                                      : "plan";
+  return floor == PlanFloor::kDrops ? "drops" : floor == PlanFloor::kRamps ? "ramps" : "plan";
 }
 
 std::string floor_plan_name(std::uint64_t seed, const std::optional<FloorPlanSize>& size,

@@ -184,8 +184,8 @@ struct FloorPlanChoice {
   PlanFloor floor = PlanFloor::kFlat;
 };
 
-/// Of "plan:SEED" or "plan:SEED:COLUMNSxROWS", or "drops:" or "ramps:" and the same; none: the name is none of
-/// a floor plan.
+/// Of "plan:SEED" or "plan:SEED:COLUMNSxROWS", or "drops:" or "ramps:" and the same; none: the name
+/// is none of a floor plan.
 std::optional<FloorPlanChoice> floor_plan_choice(const std::string& name) {
   constexpr int kLeast = 2, kMost = 40;
   FloorPlanChoice choice;
@@ -323,10 +323,11 @@ World load_world(const std::string& name_or_path, const WorldOptions& options) {
       const bool like_a_path = !extension.empty() || name_or_path.find('/') != std::string::npos;
       std::string list;
       for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
-      throw InputError(
-          like_a_path ? name_or_path + ": no such file; expected a world: " + kExtensions
-                      : "unknown world '" + name_or_path + "'" + did_you_mean(name_or_path, names) +
-                            "; expected one of: " + list + ", plan:SEED, drops:SEED, ramps:SEED, or a file");
+      throw InputError(like_a_path
+                           ? name_or_path + ": no such file; expected a world: " + kExtensions
+                           : "unknown world '" + name_or_path + "'" +
+                                 did_you_mean(name_or_path, names) + "; expected one of: " + list +
+                                 ", plan:SEED, drops:SEED, ramps:SEED, or a file");
     }
     if (fs::is_directory(path, error)) {
       throw InputError(name_or_path + ": is a directory; expected a world: " + kExtensions);

@@ -62,7 +62,7 @@ TEST(SlopedFloor, OverTheFloorARampIsFreeAndItsSidesAreNot) {
   const auto over = over_the_floor(world, 0.05);
   const auto closed = [&](double x, double y) {
     const Cell c = over->frame().cell(x, y);
-    return over->state(c.i, c.j, 2) != CellState::kFree;
+    return over->state(c.i, c.j, -1) != CellState::kOccupied;
   };
   for (double x = 2.05; x < 6.9; x += 0.1) EXPECT_FALSE(closed(x, 2.05)) << x;
   EXPECT_TRUE(closed(6.95, 2.05));
@@ -71,11 +71,11 @@ TEST(SlopedFloor, OverTheFloorARampIsFreeAndItsSidesAreNot) {
   EXPECT_FALSE(closed(8.05, 2.05));  // the threshold
   const auto low = over_the_floor(world, 0.02);
   const Cell c = low->frame().cell(8.05, 2.05);
-  EXPECT_EQ(low->state(c.i, c.j, 2), CellState::kOccupied);
+  EXPECT_EQ(low->state(c.i, c.j, -1), CellState::kFree);
   // What is steeper is closed from its foot on.
   const World steep = hall("  - {box: [2, 1, 4.3, 3], z: [0, 0.5], up: east}\n");
   const auto over_steep = over_the_floor(steep, 0.05);
-  EXPECT_EQ(over_steep->state(20, 20, 2), CellState::kOccupied);
+  EXPECT_EQ(over_steep->state(20, 20, -1), CellState::kFree);
   EXPECT_GT(reachable_area(world).area, reachable_area(steep).area);
 }
 

@@ -41,7 +41,7 @@ TEST(Report, AStepHasWhatMovesByItself) {
   broken.position.x() = std::numeric_limits<double>::quiet_NaN();
   second->movers = {broken, mover};
   const auto part = nlohmann::json::parse(report_steps({first, second}, 0.1));
-  EXPECT_EQ(part.at("movers").at("counts"), "AAE=");                        // 0, 1
+  EXPECT_EQ(part.at("movers").at("counts"), "AAE=");                          // 0, 1
   EXPECT_EQ(part.at("movers").at("values"), "AAAAQAAAAD8AAIC/AAAAAAAAAD8=");  // 2, 0.5, -1, 0, 0.5
 }
 
