@@ -33,7 +33,7 @@ double distance_to_slopes(std::span<const Slope> slopes, const Eigen::Vector3d& 
 Grid<int> floor_levels(const World& world);
 
 /// The world's voxels as a robot meets them that gets over a step [m]: heights count from each
-/// column's own floor, and columns that it cannot get on to are occupied as a whole: those whose
+/// column's own floor, and columns that it cannot get on to have none, as over a hole: those whose
 /// floor lies higher than that beside it by more than the step and a ramp's rise (kSteepest of
 /// floor_join.h), and those of ramps that are steeper. Where all is flat, the world's own.
 std::shared_ptr<const VoxelGrid> over_the_floor(const World& world, double step);
