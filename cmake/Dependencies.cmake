@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 # Third-party libraries, as Debian ships them. A back end whose library is absent is left out with a
 # message; everything else is required.
+# NLopt for C++ alone (nlopt_cxx/) calls itself NLopt, too: not whichever of the two a disk lists first.
+set(CMAKE_FIND_PACKAGE_SORT_ORDER NAME)
+set(CMAKE_FIND_PACKAGE_SORT_DIRECTION ASC)
 find_package(PkgConfig REQUIRED)
 find_package(Threads REQUIRED)
 find_package(Eigen3 3.4 CONFIG REQUIRED)

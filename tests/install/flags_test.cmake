@@ -87,6 +87,8 @@ works("checked" -DCMAKE_CXX_FLAGS=-D_GLIBCXX_ASSERTIONS)
 works("newer" -DCMAKE_CXX_STANDARD=23)
 works("at link time" -DCMAKE_INTERPROCEDURAL_OPTIMIZATION=ON)
 works("shared" -DCOMPONENTS=robot -DLIBRARIES=prospect::robot)
+works("packages in another order" -DCOMPONENTS=solvers -DLIBRARIES=prospect::solvers
+  -DCMAKE_FIND_PACKAGE_SORT_ORDER=NAME -DCMAKE_FIND_PACKAGE_SORT_DIRECTION=DEC)
 find_program(CLANG clang++)
 if(CLANG)
   works("clang" -DCMAKE_CXX_COMPILER=${CLANG} -DCMAKE_CXX_FLAGS=-march=native)

@@ -2,6 +2,7 @@
 #include "adapters/formats/files/child_process.h"
 
 #include <fcntl.h>
+#include <sys/auxv.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -13,6 +14,7 @@
 #include <cstring>
 #include <filesystem>
 #include <stdexcept>
+#include <system_error>
 #include <utility>
 
 namespace prospect {
@@ -96,6 +98,15 @@ void ChildProcess::kill() {
   pid_ = -1;
 }
 
-std::string own_program() { return std::filesystem::read_symlink("/proc/self/exe").string(); }
+std::string own_program() {
+  std::error_code error;
+  const std::filesystem::path told = std::filesystem::read_symlink("/proc/self/exe", error);
+  if (!error) return told.string();
+  // A machine in a folder may lack /proc: as the kernel was asked for it.
+  const auto* asked = reinterpret_cast<const char*>(::getauxval(AT_EXECFN));
+  const std::filesystem::path program = asked != nullptr ? asked : "";
+  const std::filesystem::path whole = std::filesystem::absolute(program, error);
+  return error ? program.string() : whole.string();
+}
 
 }  // namespace prospect
