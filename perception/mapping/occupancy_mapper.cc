@@ -259,8 +259,6 @@ struct OccupancyMapper::Impl {
   double top(int i, int j, int k) const;
   void note_top(Brick& b, int m, int k, float z, float share);
   void surfaces(Cell c, std::vector<FloorSurface>& found) const;
-  /// Whether something stands beside a surface of layer k, higher than a ramp goes on.
-  bool is_beside(Cell c, int k, int room) const;
   /// Whether something low was met that is no flat floor.
   bool is_rough(Cell c) const;
   void join_floor(std::vector<GroundChange>& changes);
@@ -422,7 +420,7 @@ void OccupancyMapper::Impl::note_top(Brick& b, int m, int k, float z, float shar
 }
 
 // What the floor of a column may be: surfaces from the flat floor's layer on over which there is
-// room for the body, known to be free at its feet.
+// room for the body, and nothing is unknown at its feet.
 void OccupancyMapper::Impl::surfaces(Cell c, std::vector<FloorSurface>& found) const {
   const int room = slice.k_high - k_stand();
   int occupied_above = k_end + room;  // the lowest
@@ -436,26 +434,13 @@ void OccupancyMapper::Impl::surfaces(Cell c, std::vector<FloorSurface>& found) c
                            : b->log_odds[m] >= threshold ? CellState::kOccupied
                                                          : CellState::kFree;
     if (here == CellState::kOccupied) {
-      if (above == CellState::kFree && occupied_above > k + room &&
-          (k < 0 || !is_beside(c, k, room))) {
+      if (above == CellState::kFree && occupied_above > k + room) {
         found.push_back({k, top(c.i, c.j, k)});
       }
       occupied_above = k;
     }
     above = here;
   }
-}
-
-// Noise of ranges takes hits out of a wall, into the column before it.
-bool OccupancyMapper::Impl::is_beside(Cell c, int k, int room) const {
-  for (int j = c.j - 1; j <= c.j + 1; ++j) {
-    for (int i = c.i - 1; i <= c.i + 1; ++i) {
-      for (int up = k + 2; up <= k + room; ++up) {
-        if (state(i, j, up) == CellState::kOccupied) return true;
-      }
-    }
-  }
-  return false;
 }
 
 bool OccupancyMapper::Impl::is_rough(Cell c) const {
