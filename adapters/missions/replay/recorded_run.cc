@@ -167,8 +167,33 @@ LogRows rows_of_log(const std::string& path, const Registries& registries) {
   return rows_of(read_logged_run(path, registries));
 }
 
-RunDifference first_difference(const RecordedRun& recorded, const std::string& header,
-                               const std::vector<std::string>& rows) {
+RecordedColumns::RecordedColumns(const std::string& recorded_header, const std::string& header) {
+  if (recorded_header == header) return;
+  const std::vector<std::string> now = fields_of_row(header);
+  for (const std::string& name : fields_of_row(recorded_header)) {
+    const auto found = std::find(now.begin(), now.end(), name);
+    if (found == now.end()) return;
+    kept_.push_back(static_cast<std::size_t>(found - now.begin()));
+  }
+  all_ = false;
+}
+
+std::string RecordedColumns::of(const std::string& row) const {
+  if (all_) return row;
+  const std::vector<std::string> fields = fields_of_row(row);
+  std::string kept;
+  for (std::size_t n = 0; n < kept_.size(); ++n) {
+    kept += (n > 0 ? "," : "") + (kept_[n] < fields.size() ? fields[kept_[n]] : "");
+  }
+  return kept;
+}
+
+RunDifference first_difference(const RecordedRun& recorded, const std::string& told_header,
+                               const std::vector<std::string>& told_rows) {
+  const RecordedColumns columns(recorded.header, told_header);
+  const std::string header = columns.of(told_header);
+  std::vector<std::string> rows;
+  for (const std::string& row : told_rows) rows.push_back(columns.of(row));
   if (recorded.header != header) {
     return {0, "its columns: " + column_difference(recorded.header, recorded.header, header)};
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -41,7 +42,19 @@ struct LogRows {
 };
 LogRows rows_of_log(const std::string& path, const Registries& registries);
 
-/// Where two runs part.
+/// Of a row of steps.csv the columns that a recorded run has: a later version may tell more. All of
+/// it where one of them is missing.
+class RecordedColumns {
+ public:
+  RecordedColumns(const std::string& recorded_header, const std::string& header);
+  std::string of(const std::string& row) const;
+
+ private:
+  bool all_ = true;
+  std::vector<std::size_t> kept_;
+};
+
+/// Where two runs part, in the columns that the recorded one has.
 struct RunDifference {
   int step = -1;     ///< the first that differs, from 0; -1: none
   std::string what;  ///< "cost: 1.5 recorded, 1.4 now", "121 steps recorded, 120 now"

@@ -106,12 +106,16 @@ class Comparison final : public RunObserver {
     first_.push_back(step);
     columns_ = step_columns({step});
     if (columns_.empty()) return;
+    std::string header = step_header(columns_);
+    header.pop_back();
+    kept_.emplace(recorded_.header, header);
     for (const StepRecord& s : first_) row_is(s);
     first_.clear();
   }
   void row_is(const StepRecord& s) {
     std::string row = step_row(s, columns_);
     row.pop_back();
+    row = kept_->of(row);
     if (compared_ < recorded_.rows.size() && recorded_.rows[compared_] == row) {
       ++compared_;
       return;
@@ -121,6 +125,7 @@ class Comparison final : public RunObserver {
     until.rows = {compared_ < recorded_.rows.size() ? recorded_.rows[compared_] : ""};
     std::string header = step_header(columns_);
     header.pop_back();
+    header = kept_->of(header);
     replay_.difference = first_difference(until, header, {row});
     replay_.difference.step = s.step;
     parted_ = true;
@@ -135,7 +140,8 @@ class Comparison final : public RunObserver {
   RunRecorder other_recorder_;
   bool parted_ = false, past_ = false;
   StepColumns columns_;
-  std::vector<StepRecord> first_;  // before the columns of steps.csv are known
+  std::optional<RecordedColumns> kept_;  // once these are known
+  std::vector<StepRecord> first_;        // before the columns of steps.csv are known
   std::size_t compared_ = 0;
 };
 

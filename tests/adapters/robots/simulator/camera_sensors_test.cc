@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <random>
 #include <stdexcept>
 #include <string>
@@ -302,12 +303,20 @@ TEST_F(CameraSensorsTest, RefusesACalibrationThatTheDepthCameraContradicts) {
   }
 }
 
-TEST_F(CameraSensorsTest, ATenthIsNoticedOnceTheDisparitiesZeroIsKnown) {
+// At once, or when the disparities' zero is known.
+TEST_F(CameraSensorsTest, ATenthIsNoticed) {
   NOT_UNDER_SANITIZERS("missions go the ways of drives and of steps");
   for (const double error : {-0.1, 0.01, 0.1}) {
     SimulatorOptions options = small_cameras();
     options.camera.baseline_error = error;
-    Simulator simulator(room_with_an_opening(), options);
+    std::optional<Simulator> begun;
+    try {
+      begun.emplace(room_with_an_opening(), options);
+    } catch (const std::invalid_argument& refused) {
+      EXPECT_GT(std::abs(error), 0.05) << refused.what();
+      continue;
+    }
+    Simulator& simulator = *begun;
     double way = -1.0;
     for (int k = 0; k < 12 && way < 0.0; ++k) {
       simulator.apply(twist(0.3, 0.5), 0.5);
