@@ -22,6 +22,7 @@ namespace prospect {
 namespace {
 
 /// The target and the three after it, then how many of the others there are, by why they are not.
+/// Without commas, which programs that read tables by them would take for columns.
 std::string standings_text(const GlobalPlan& global_plan) {
   constexpr std::size_t kNamed = 4;
   using Why = FrontierStanding::Why;
@@ -32,14 +33,14 @@ std::string standings_text(const GlobalPlan& global_plan) {
   for (std::size_t n = 0; n < std::min(kNamed, all.size()) && all[n].why == Why::kInOrder; ++n) {
     const auto frontier = static_cast<std::size_t>(all[n].frontier);
     const Eigen::Vector2d& at = global_plan.frontiers[frontier].centroid;
-    next += formatted("%s%.2f m2 in %.1f s at %.2f %.2f", n > 0 ? ", " : "", all[n].area,
+    next += formatted("%s%.2f m2 in %.1f s at %.2f %.2f", n > 0 ? "; " : "", all[n].area,
                       all[n].time, at.x(), at.y());
   }
   for (const Why why : kOthers) {
     const auto count =
         std::count_if(all.begin(), all.end(), [&](const auto& s) { return s.why == why; });
     if (count == 0) continue;
-    others += (others.empty() ? "" : ", ") + std::to_string(count) + ' ' + std::string(name(why));
+    others += (others.empty() ? "" : "; ") + std::to_string(count) + ' ' + std::string(name(why));
   }
   return next + (next.empty() || others.empty() ? "" : "; ") + others;
 }

@@ -82,7 +82,7 @@ TEST(RunRecorder, FrontiersAreTheTargetThreeAfterItAndWhyNotTheOthers) {
   EXPECT_EQ(said({{2, Why::kInOrder, 3.2, 8.44}}), "3.20 m2 in 8.4 s at 1.50 -2.00");
   EXPECT_EQ(
       said({{0, Why::kLittle, 0.01, 3.0}, {1, Why::kNoPath, 0.0}, {2, Why::kLittle, 0.0, 1.0}}),
-      "2 little, 1 no path");
+      "2 little; 1 no path");
   EXPECT_EQ(said({{2, Why::kInOrder, 3.0, 8.0},
                   {3, Why::kInOrder, 2.0, 9.0},
                   {4, Why::kInOrder, 1.0, 10.0},
@@ -90,8 +90,8 @@ TEST(RunRecorder, FrontiersAreTheTargetThreeAfterItAndWhyNotTheOthers) {
                   {6, Why::kInOrder, 0.4, 12.0},
                   {7, Why::kLater, 0.3, 13.0},
                   {8, Why::kLowYield, 0.2, 50.0}}),
-            "3.00 m2 in 8.0 s at 1.50 -2.00, 2.00 m2 in 9.0 s at 0.00 0.00, 1.00 m2 in 10.0 s at "
-            "0.00 0.00, 0.50 m2 in 11.0 s at 0.00 0.00; 1 later, 1 low yield");
+            "3.00 m2 in 8.0 s at 1.50 -2.00; 2.00 m2 in 9.0 s at 0.00 0.00; 1.00 m2 in 10.0 s at "
+            "0.00 0.00; 0.50 m2 in 11.0 s at 0.00 0.00; 1 later; 1 low yield");
 }
 
 // A term of a user may have any name.
