@@ -255,6 +255,15 @@ inline RunRecord synthetic_run(int steps) {
       target.area = 6.0;
       target.path_left = (target.viewpoint - estimate).norm();
       if (mode != ModeKind::kLookAround) s.target = target;
+      if (k % 8 == 3) {
+        using Why = FrontierStanding::Why;
+        for (std::size_t n = 0; n < 3; ++n) {
+          const Eigen::Vector2d at = way[std::min(next + 2 + n, way.size() - 1)] + drift;
+          s.standings.push_back({at.cast<float>(), Why::kInOrder, 6.0 - n, 7.0 - n, 5.0 + 4.0 * n});
+        }
+        s.standings.push_back({{1.0F, 1.0F}, Why::kLittle, 0.04, 0.1, 12.0});
+        s.standings.push_back({{2.0F, 5.0F}, Why::kNoPath, 0.02, 0.3});
+      }
       char text[200];
       if (mode == ModeKind::kRetreat) {
         std::snprintf(text, sizeof text,

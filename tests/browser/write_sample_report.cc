@@ -29,6 +29,7 @@ int main(int argc, char** argv) {
       s.why.clear();
       s.target.reset();
       s.candidates.clear();
+      s.standings.clear();
       s.cost_to_go.reset();
       s.seeds_scored = 0;
     }

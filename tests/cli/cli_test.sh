@@ -783,6 +783,29 @@ succeeds "a Gazebo world with the robot" export field.world --sdf exported/field
 [[ "$(<exported/field.sdf)" == *"<size>8 6</size>"*"<model name=\"robot\">"*"<pose>1 2 0 0 0 1.5707"* ]] || fail "no robot in field.sdf"
 refused "a robot that is there" "field.sdf:" "expected a world without the robot" export exported/field.sdf --sdf exported/no.sdf
 
+# A drawn plan: how it is read, before a robot drives in it.
+printf 'P2 60 40 255\n' >drawn.pgm
+for ((j = 0; j < 40; ++j)); do
+  for ((i = 0; i < 60; ++i)); do
+    if ((j == 0 || j == 39 || i == 0 || i == 59)); then printf '0 '; elif ((i > 40 && j > 25)); then printf '205 '; else printf '254 '; fi
+  done
+done >>drawn.pgm
+succeeds "how a plan is read" inspect drawn.pgm --picture read.svg
+for said in "3 x 2 m, cells of 0.1 m" "scale: assumed, 0.05 m a pixel" "start: (" "m2 can be seen" read.svg; do
+  [[ "$out" == *"$said"* ]] || fail "inspect --picture does not say '$said': '$out'"
+done
+for word in start free occupied "unknown, taken for solid" "rim: solid beyond" "can be seen"; do
+  grep -q ">$word</text>" read.svg || fail "the picture of a plan does not show '$word'"
+done
+succeeds "a plan with its scale" inspect drawn.pgm --resolution 0.1 --start 1 1 90 --picture read.png
+[[ "$out" == *"6 x 4 m"*"as stated"*"start: (1.00, 1.00) m, 90 degrees"* ]] || fail "a plan with its scale: '$out'"
+cmp -s <(head -c 8 read.png) <(printf '\x89PNG\r\n\x1a\n') || fail "read.png is no PNG"
+refused "a picture of unknown form" "--picture: 'read.gif'" "expected a file that ends in .png" inspect drawn.pgm --picture read.gif
+refused "a picture of no world" "nowhere.pgm" "expected" inspect nowhere.pgm --picture nothing.png
+[[ ! -e nothing.png ]] || fail "a picture of no world was written"
+timed_out "a plan without a scale" explore drawn.pgm --time-limit 1 --quiet --out run --unknown free
+[[ "$(<err.txt)" == *"drawn: taken for 0.05 m a pixel (--resolution says otherwise), so 3 x 2 m"* ]] || fail "an assumed scale is not told: '$(<err.txt)'"
+
 succeeds "report of a run" report first --figure path,map --out figures
 for file in path.png path.svg map.png map.svg; do
   [[ -s figures/$file ]] || fail "report wrote no $file"
@@ -825,6 +848,18 @@ refused "steps that are empty" killed/steps.csv "empty file; expected" report ki
 refused "report of nothing" nowhere "expected that of a run" report nowhere --figure path --out run
 refused "report of a file" file "is no folder; expected" report file --figure path --out run
 refused "report of a folder of others" foreign/steps.csv "no such file; expected" report foreign --figure map --out run
+succeeds "two missions under one slider" report first second --out compared
+[[ "$out" == compared/compared_with_second.html$'\n'"first, second: the same as long as both last" ]] || fail "a comparison says '$out'"
+grep -q '"names":\["first","second"\]' compared/compared_with_second.html || fail "the comparison does not name the runs"
+succeeds "a mission and another" report first fourth
+[[ -s first/compared_with_fourth.html && "$out" == *"first, fourth: part at "*" s (step "*", "*": "* ]] || fail "they do not part: '$out'"
+mkdir cut_page
+head -c 2000 first/report.html >cut_page/report.html
+cp first/steps.csv cut_page
+refused "a page that is cut" cut_page/report.html: "expected the report.html of a mission" report first cut_page --out run
+refused "a run that was killed" killed/report.html: "expected a mission that came to its end" report first killed --out run
+refused "figures of two runs" "--figure" "expected two runs alone" report first second --figure map --out run
+refused "three runs" "report" "expected" report first second first
 refused "report without a figure" first/report.html "expected --figure path, map" report first
 refused "report of an unknown figure" "'pth' (did you mean 'path'?)" "expected one of: path, map" report first --figure map,pth --out run
 refused "report in an unknown format" "'gif'" "expected one of: svg, png, pdf, pgf" report first --figure map --format gif --out run

@@ -8,6 +8,7 @@ inline constexpr const char* kMap = "/map";
 inline constexpr const char* kMapUpdates = "/map_updates";
 inline constexpr const char* kPlan = "/plan";
 inline constexpr const char* kMarkers = "/plan/markers";
+inline constexpr const char* kFrontiers = "/plan/frontiers";
 inline constexpr const char* kStep = "/plan/step";
 inline constexpr const char* kCostToGo = "/plan/cost_to_go";
 inline constexpr const char* kPlannerCalls = "/planner/calls";

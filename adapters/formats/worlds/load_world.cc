@@ -396,6 +396,7 @@ World load_world(const std::string& name_or_path, const WorldOptions& options) {
           mesh ? read_mesh_file(name_or_path, UpAxis::kY, {}, options.progress, options.up)
                : read_gazebo_world(name_or_path, options.progress),
           name_or_path, mesh_options);
+      if (is_one_of(extension, {".obj", ".stl", ".ply"})) world->assumed = "metres";
     } else {
       throw InputError(name_or_path + ": unknown kind of file '" + extension +
                        "'; expected one of " + kExtensions);

@@ -512,6 +512,11 @@ std::string find_image(const std::string& yaml, const std::string& name, const s
                   (beside.empty() ? "" : ", or one of these named here: " + beside));
 }
 
+/// What is said of a scale that nobody stated.
+std::string assumed_scale(double pixel, const WorldOptions& given) {
+  return given.voxel_size > 0.0 ? "" : text_of(pixel) + " m a pixel (--resolution says otherwise)";
+}
+
 /// [m] of a pixel of an image that states none; --resolution is taken for it.
 double checked_pixel_size(const std::string& path, WorldOptions& options) {
   const double size = options.voxel_size > 0.0 ? options.voxel_size : options.pixel_size;
@@ -607,7 +612,9 @@ World world_from_image(const std::string& path, const WorldOptions& given) {
   const Classes classes = lower_case_extension(path) == ".pgm"
                               ? ros_classes(image, 0.65, 0.196, false)
                               : drawn_classes(image);
-  return extrude(classify(image, classes), pixel, Eigen::Vector2d::Zero(), path, options);
+  World world = extrude(classify(image, classes), pixel, Eigen::Vector2d::Zero(), path, options);
+  world.assumed = assumed_scale(pixel, given);
+  return world;
 }
 
 World world_from_movingai(const std::string& path, const WorldOptions& given) {
@@ -665,7 +672,9 @@ World world_from_movingai(const std::string& path, const WorldOptions& given) {
       plan.cells.push_back(free ? CellState::kFree : CellState::kOccupied);
     }
   }
-  return extrude(std::move(plan), pixel, Eigen::Vector2d::Zero(), path, options);
+  World world = extrude(std::move(plan), pixel, Eigen::Vector2d::Zero(), path, options);
+  world.assumed = assumed_scale(pixel, given);
+  return world;
 }
 
 }  // namespace prospect

@@ -51,6 +51,8 @@ struct World {
   std::shared_ptr<const TexturedMesh> mesh = nullptr;
   /// What the source holds that is not in this world, for one line to the user.
   LeftOut left_out = {};
+  /// What was taken for the scale that the source does not state: "0.05 m a pixel". Empty: it does.
+  std::string assumed = {};
   /// Where much of the source's space is unknown that may be free: how much, and which option or
   /// key makes it free, for the line that says that the robot has no room. Empty if little is.
   std::string if_no_room = {};

@@ -213,6 +213,11 @@ LoggedRun read_logged_run(const BagFile& bag, const std::string& path,
       [&](std::int64_t time, const ros::MarkerArray& markers, const std::string&) {
         if (StepRecord* step = at(time)) read_step_markers(markers, *step);
       });
+  read_topic<ros::MarkerArray>(
+      bag, path, topic::kFrontiers,
+      [&](std::int64_t time, const ros::MarkerArray& markers, const std::string&) {
+        if (StepRecord* step = at(time)) read_frontier_markers(markers, *step);
+      });
   read_topic<ros::PointCloud2>(
       bag, path, topic::kCostToGo,
       [&](std::int64_t time, const ros::PointCloud2& points, const std::string&) {

@@ -36,6 +36,7 @@ enum Topic : std::size_t {
   kMapUpdates,
   kPlan,
   kMarkers,
+  kFrontiers,
   kStep,
   kCostToGo,
   kEvents,
@@ -170,6 +171,7 @@ std::vector<McapLog::Channel> mission_channels(std::size_t depth_sensors) {
                                        channel<ros::OccupancyGridUpdate>(topic::kMapUpdates),
                                        channel<ros::Path>(topic::kPlan),
                                        channel<ros::MarkerArray>(topic::kMarkers),
+                                       channel<ros::MarkerArray>(topic::kFrontiers),
                                        channel<ros::DiagnosticArray>(topic::kStep),
                                        channel<ros::PointCloud2>(topic::kCostToGo),
                                        channel<ros::Log>("/rosout"),
@@ -254,6 +256,9 @@ void MissionMessages::step(const StepRecord& step) {
   }
   put_(kPlan, now, ros::to_cdr(horizon_path(step, options_.dt, now)));
   put_(kMarkers, now, ros::to_cdr(step_markers(step, options_.resolution, now)));
+  if (!step.standings.empty()) {
+    put_(kFrontiers, now, ros::to_cdr(frontier_markers(step, now)));
+  }
   if (step.cost_to_go) {
     std::string bytes;
     const ros::PointCloud2 points = cost_to_go_points(*step.cost_to_go, now, bytes);

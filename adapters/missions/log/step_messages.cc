@@ -14,6 +14,7 @@
 #include "adapters/formats/files/parse_number.h"
 #include "adapters/formats/ros/pose_message.h"
 #include "adapters/missions/run/step_fields.h"
+#include "models/formatted.h"
 #include "models/range_text.h"
 
 namespace prospect {
@@ -23,6 +24,10 @@ constexpr const char* kCandidates = "candidates";
 constexpr const char* kFrontiers = "frontiers";
 constexpr const char* kLandmarks = "landmarks";
 constexpr const char* kTarget = "target";
+
+using Why = FrontierStanding::Why;
+constexpr Why kFrontierWhys[] = {Why::kInOrder, Why::kLater,   Why::kLowYield,
+                                 Why::kLittle,  Why::kFarther, Why::kNoPath};
 
 // Entries of an Explanation: a cost weighted, then raw; a constraint raw only.
 constexpr const char* kCost = "cost.";
@@ -289,6 +294,41 @@ void read_step_markers(const ros::MarkerArray& array, StepRecord& step) {
       path.clear();
       for (const ros::Point& p : m.points) path.push_back(point(p));
     }
+  }
+}
+
+ros::MarkerArray frontier_markers(const StepRecord& step, std::int64_t ns) {
+  ros::MarkerArray array;
+  ros::Marker all = marker("", 0, 0, ns);
+  all.action = ros::Marker::kDeleteAll;
+  array.markers.push_back(std::move(all));
+  for (std::size_t i = 0; i < step.standings.size(); ++i) {
+    const FrontierRecord& f = step.standings[i];
+    const std::string why(name(f.why));
+    ros::Marker label = marker(why.c_str(), static_cast<int>(i), ros::Marker::kText, ns);
+    label.pose.position = {f.place.x(), f.place.y(), 0.0};
+    label.scale = {0.0, 0.0, 0.2};  // height of a letter [m]
+    const bool next = f.why == Why::kInOrder;
+    label.color =
+        next ? ros::ColorRGBA{0.9F, 0.5F, 0.0F, 1.0F} : ros::ColorRGBA{0.4F, 0.4F, 0.4F, 1.0F};
+    label.text = (next ? std::to_string(i + 1) : why) + formatted(": %.2f m2", f.area);
+    if (std::isfinite(f.time)) label.text += formatted(" in %.1f s", f.time);
+    label.points = {{f.area, f.unknown, f.time}};
+    array.markers.push_back(std::move(label));
+  }
+  return array;
+}
+
+void read_frontier_markers(const ros::MarkerArray& array, StepRecord& step) {
+  step.standings.clear();
+  for (const ros::Marker& m : array.markers) {
+    if (m.action != ros::Marker::kAdd || m.points.size() != 1) continue;
+    const auto why = std::find_if(std::begin(kFrontierWhys), std::end(kFrontierWhys),
+                                  [&](Why w) { return m.ns == name(w); });
+    if (why == std::end(kFrontierWhys)) continue;
+    const ros::Point& at = m.pose.position;
+    step.standings.push_back({Eigen::Vector2d(at.x, at.y).cast<float>(), *why, m.points[0].x,
+                              m.points[0].y, m.points[0].z});
   }
 }
 

@@ -40,6 +40,12 @@ ros::MarkerArray step_markers(const StepRecord& step, double resolution, std::in
 /// Frontier cells, landmarks, and the ways of the candidates that read_step_values() has entered.
 void read_step_markers(const ros::MarkerArray& markers, StepRecord& step);
 
+/// How the frontiers stood when it was asked which is next: of each a text at its centroid, in the
+/// namespace of its FrontierStanding::Why, with its place among all as id, and {E [m^2], A [m^2],
+/// time [s]} as its one point.
+ros::MarkerArray frontier_markers(const StepRecord& step, std::int64_t ns);
+void read_frontier_markers(const ros::MarkerArray& markers, StepRecord& step);
+
 /// A picture of the cost-to-go: the centres of cells that are known [m], and their seconds, as
 /// fields x, y, z and seconds of float32. `bytes` holds them and outlives the message.
 ros::PointCloud2 cost_to_go_points(const CostToGoPicture& picture, std::int64_t ns,

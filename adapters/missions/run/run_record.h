@@ -13,6 +13,7 @@
 #include "engine/behaviour/mode.h"
 #include "engine/behaviour/safety_level.h"
 #include "engine/behaviour/task_kind.h"
+#include "engine/frontiers/frontier_standing.h"
 #include "engine/maps/grid.h"
 #include "engine/maps/localization.h"
 #include "engine/maps/movers.h"
@@ -39,6 +40,15 @@ struct TargetRecord {
   double length = 0.0;                                  ///< of the frontier [m]
   double area = 0.0;       ///< [m^2] that a look at it is expected to show
   double path_left = 0.0;  ///< [m] to the viewpoint
+};
+
+/// A frontier when it was asked which is next (FrontierStanding).
+struct FrontierRecord {
+  Eigen::Vector2f place = Eigen::Vector2f::Zero();  ///< its centroid, estimated frame [m]
+  FrontierStanding::Why why = FrontierStanding::Why::kLater;
+  double area = 0.0;                      ///< E: that a look at it is expected to show [m^2]
+  double unknown = 0.0;                   ///< A: unknown ground that a look at it may show [m^2]
+  double time = FrontierStanding::kNone;  ///< until it has been looked at [s]; kNone: no path known
 };
 
 /// The factor of a cost in the objective of a step; negative: a reward. The cost of the step is the
@@ -131,7 +141,10 @@ struct StepRecord {
 
   std::vector<Pose> horizon;  ///< predicted poses x_0 ... x_N, estimated frame
   std::vector<Eigen::Vector2f>
-      frontier_cells;                   ///< centres of active frontier cells, estimated frame
+      frontier_cells;  ///< centres of active frontier cells, estimated frame
+  /// Of a step that asked which frontier is next: all active ones, those of the sequence in its
+  /// order, then the others by area.
+  std::vector<FrontierRecord> standings{};
   std::vector<LandmarkView> landmarks;  ///< those the planner considered
   std::vector<Mover> movers{};          ///< as predicted for `stamp`, estimated frame
   /// Ground cells whose state changed since the previous record.

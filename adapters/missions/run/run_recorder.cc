@@ -21,20 +21,28 @@
 namespace prospect {
 namespace {
 
+std::vector<FrontierRecord> frontier_records(const GlobalPlan& global_plan) {
+  std::vector<FrontierRecord> records;
+  records.reserve(global_plan.standings.size());
+  for (const FrontierStanding& standing : global_plan.standings) {
+    const Frontier& frontier = global_plan.frontiers[static_cast<std::size_t>(standing.frontier)];
+    records.push_back({frontier.centroid.cast<float>(), standing.why, standing.area,
+                       frontier.expected_gain, standing.time});
+  }
+  return records;
+}
+
 /// The target and the three after it, then how many of the others there are, by why they are not.
 /// Without commas, which programs that read tables by them would take for columns.
-std::string standings_text(const GlobalPlan& global_plan) {
+std::string standings_text(const std::vector<FrontierRecord>& all) {
   constexpr std::size_t kNamed = 4;
   using Why = FrontierStanding::Why;
   constexpr Why kOthers[] = {Why::kLater, Why::kFarther, Why::kLowYield, Why::kLittle,
                              Why::kNoPath};
-  const std::vector<FrontierStanding>& all = global_plan.standings;
   std::string next, others;
   for (std::size_t n = 0; n < std::min(kNamed, all.size()) && all[n].why == Why::kInOrder; ++n) {
-    const auto frontier = static_cast<std::size_t>(all[n].frontier);
-    const Eigen::Vector2d& at = global_plan.frontiers[frontier].centroid;
     next += formatted("%s%.2f m2 in %.1f s at %.2f %.2f", n > 0 ? "; " : "", all[n].area,
-                      all[n].time, at.x(), at.y());
+                      all[n].time, all[n].place.x(), all[n].place.y());
   }
   for (const Why why : kOthers) {
     const auto count =
@@ -175,6 +183,7 @@ void forget(StepRecord& step) {
   release(step.candidates);
   release(step.landmarks);
   release(step.frontier_cells);
+  release(step.standings);
   release(step.movers);
 }
 
@@ -352,7 +361,8 @@ StepRecord RunRecorder::Impl::record_of(const MissionStep& step) {
   if (step.global_plan) {
     const GlobalPlan& global_plan = *step.global_plan;
     r.target_change = global_plan.facts.changed;
-    r.frontiers = standings_text(global_plan);
+    r.standings = frontier_records(global_plan);
+    r.frontiers = standings_text(r.standings);
     if (global_plan.target) {
       r.target = TargetRecord{global_plan.target->viewpoint, global_plan.target->looks_at,
                               global_plan.facts.target_length, global_plan.facts.target_area,

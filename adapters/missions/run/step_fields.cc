@@ -274,7 +274,7 @@ constexpr StepField kStepFields[] = {
     field("active_frontiers", "", kShown, 30, "frontiers that still attract",
           [](auto& s) { return &s.active_frontiers; }),
     field(
-        "frontiers", "", kShown, 70,
+        "frontiers", "", kSteps, 70,
         "of a step that asked [which is next](frontiers.md#order-what-comes-next): the target and "
         "three after it; then how many of the others are `later`, `farther`, of `low yield`, "
         "promise too `little`, have `no path`",

@@ -5,8 +5,15 @@
 
 #include "adapters/missions/run/exploration_run.h"
 #include "adapters/program/cli/progress.h"
+#include "models/formatted.h"
 
 namespace prospect {
+
+std::string size_text(const World& world) {
+  const GridFrame& frame = world.voxels.frame();
+  return formatted("%.4g x %.4g m", frame.width * frame.resolution,
+                   frame.height * frame.resolution);
+}
 
 std::shared_ptr<const World> told_world(const std::string& name, const Configuration& configuration,
                                         ConfigurationUse use, Progress& progress) {
@@ -17,6 +24,11 @@ std::shared_ptr<const World> told_world(const std::string& name, const Configura
   if (!world->left_out.empty()) {
     std::cerr << "prospect: " << world->name << ": read without: " << world->left_out.text()
               << '\n';
+  }
+  if (!world->assumed.empty()) {
+    std::cerr << "prospect: " << world->name << ": taken for " << world->assumed << ", so "
+              << size_text(*world) << "; prospect inspect " << name
+              << " --picture FILE draws how it was read\n";
   }
   return world;
 }

@@ -246,6 +246,24 @@ class WordList {
   std::map<std::string, std::uint64_t> known_;
 };
 
+/// Each step: how many frontiers, then why each stands where it does. `values`: of each x, y, E, A
+/// and the time, which is infinite where no path is known.
+Json standing_json(const Steps& steps) {
+  WordList whys;
+  BinaryText text, values;
+  for (const StepRecord& step : steps) {
+    text.add_varint(step.standings.size());
+    for (const FrontierRecord& f : step.standings) {
+      text.add_varint(whys.number(std::string(name(f.why))));
+      for (const double value :
+           {double{f.place.x()}, double{f.place.y()}, f.area, f.unknown, f.time}) {
+        values.add_float(value);
+      }
+    }
+  }
+  return {{"whys", whys.words()}, {"steps", text.base64()}, {"values", values.base64()}};
+}
+
 /// The candidates of each step. `steps`: how many there are; for each: name, verdict, 1 if
 /// polished, how many points its path has, and these in cm, the first from the origin, each further
 /// one from the one before it (signed). `values`: for each its cost, then each term of `terms`, NaN
@@ -383,6 +401,7 @@ Json steps_json(const Steps& steps, double resolution) {
       {"landmarks", landmark_json(steps)},
       {"horizon", horizon_json(steps)},
       {"movers", mover_json(steps)},
+      {"standings", standing_json(steps)},
       {"candidates", candidate_json(steps)},
       {"cost_to_go", cost_to_go_json(steps)},
       {"palette", palette_json(steps)},
@@ -402,13 +421,17 @@ Json start_json(const RunRecord& record) {
 
 }  // namespace
 
-std::string render_report(const RunRecord& record) {
+std::string report_run(const RunRecord& record) {
   Json run = start_json(record);
   run.update(steps_json(Steps(record.steps.begin(), record.steps.end()), record.resolution));
   run["pictures"] = pictures_json(record.pictures);
+  return json_text(run);
+}
+
+std::string render_report(const RunRecord& record) {
   ReportPage page;
   page.title = record.summary.world;
-  page.run = json_text(run);
+  page.run = report_run(record);
   return render_page(page);
 }
 

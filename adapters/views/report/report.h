@@ -13,6 +13,8 @@ namespace prospect {
 /// The run as one self-contained HTML page that works offline: the map growing under a time slider,
 /// plots over time, the summary, and the effective configuration.
 std::string render_report(const RunRecord& record);
+/// What that page is made of, as JSON.
+std::string report_run(const RunRecord& record);
 
 // The same page for a run that goes on: it begins without steps, and is given them in parts.
 

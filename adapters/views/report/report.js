@@ -29,6 +29,7 @@ const candidates = [];         // at each step: the best of them
 const landmarkPositions = [], landmarks = [];
 const horizons = [];           // at each step: [x, y, yaw] of the predicted poses
 const movers = [];             // at each step: [x, y, vx, vy, radius] of what moves by itself
+const standings = [];          // at each step that asked which frontier is next: {why, x, y, area, unknown, time} of each, else []
 const fields = [];             // the cost-to-go at some of the steps
 const pictures = [];           // what the robot's left camera showed at some of the steps, where it has one
 const modeColors = {};
@@ -144,8 +145,18 @@ function decode(part) {
     for (let k = 0, at = 0; k < count; ++k) horizons.push(Array.from({ length: next() }, () => [poses[at++], poses[at++], poses[at++]]));
   }
   {
-    const next = varints(part.movers.counts), values = floats(part.movers.values);
+    const { counts, values: numbers } = part.movers || { counts: "", values: "" };
+    const next = part.movers ? varints(counts) : () => 0, values = floats(numbers);
     for (let k = 0, at = 0; k < count; ++k) movers.push(Array.from({ length: next() }, () => Array.from({ length: 5 }, () => values[at++])));
+  }
+  {
+    const { whys, steps, values } = part.standings || { whys: [], steps: "", values: "" };
+    const next = varints(steps), numbers = floats(values);
+    for (let k = 0, at = 0; k < count; ++k) {
+      standings.push(Array.from({ length: part.standings ? next() : 0 }, () => ({
+        why: whys[next()], x: numbers[at++], y: numbers[at++], area: numbers[at++], unknown: numbers[at++], time: numbers[at++],
+      })));
+    }
   }
   for (const field of part.cost_to_go) fields.push({ ...field, step: first + field.step });
   for (const picture of loadPictures(part.pictures || [])) pictures.push({ ...picture, frame: first + picture.frame });
@@ -226,6 +237,18 @@ if (run.steps !== undefined) {  // a run that goes on has no summary yet
     ["Stopping tails", fixed(s.fallbacks, 0), ""],
     ["Guard stops", fixed(s.guard_stops, 0), ""],
     ["Wall clock", fixed(s.wall_s, 1), "s"]]);
+  const reasons = new Map();  // of what was left when it was last asked: how many, and what they promise
+  for (const { why, area } of [...standings].reverse().find((list) => list.length > 0) || []) {
+    const [count, sum] = reasons.get(why) || [0, 0];
+    reasons.set(why, [count + 1, sum + area]);
+  }
+  if (reasons.size) {
+    const body = make("tbody");
+    for (const [why, [count, area]] of reasons) {
+      body.append(make("tr", {}, make("th", { scope: "row" }, why), cell(fixed(count, 0)), cell(fixed(area, 1), "m²")));
+    }
+    $("summary").append(make("div", {}, make("h3", {}, "Frontiers left, as last asked: how many, what they promise"), make("table", {}, body)));
+  }
   if (run.steps > 0) {
     const body = make("tbody");
     const rank = (sorted, p) => sorted[Math.max(0, Math.ceil(p * sorted.length / 100) - 1)];
@@ -263,6 +286,12 @@ function scaleColor(share) {
 }
 const scaleGradient = () => `linear-gradient(90deg, ${Array.from({ length: 11 }, (_, i) => `rgb(${scaleColor(i / 10).join(",")})`).join(",")})`;
 let pointed = null;              // number of the candidate that is pointed at in the table
+let pointedFrontier = null;      // the frontier that is pointed at in the table
+// The frontiers as they stood when it was last asked which is next.
+function standingsAt(k) {
+  while (k > 0 && standings[k].length === 0) --k;
+  return { asked: k, list: standings[k] || [] };
+}
 const drawn = {};                // what the last drawing really used, for the self-test
 
 // ---- Map --------------------------------------------------------------------------------------
@@ -323,6 +352,7 @@ const layerList = [
   ["corrected", "path as told before corrections", "", "background:var(--warn)", true, isCorrected],
   ["horizon", "plan", "", "background:var(--horizon)", true, () => true],
   ["target", "target", "ring", "border-color:var(--target)", true, () => column.way_left.some(isNumber)],
+  ["order", "frontiers in order", "ring", "border-color:var(--frontier)", true, () => standings.some((list) => list.length > 0)],
   ["movers", "what moves, and where in a second", "ring", "border-color:var(--mover)", true, () => movers.some((list) => list.length > 0)],
   ["zones", "zones and goal", "cell", "background:rgba(var(--keep-out),.3)", true, hasZones],
   ["view", "field of view", "cell", "background:rgba(var(--view),.3)", true, () => true],
@@ -613,6 +643,37 @@ function drawTarget() {
   if (!atGoal) label("target", ...at, colors.target);
   return true;
 }
+// Frontiers by number in the order of the sequence, joined by it; the others as small rings.
+function drawOrder() {
+  const { list } = standingsAt(step), ordered = list.filter(({ why }) => why === "in order");
+  const ring = (f, radius, width) => {
+    const [sx, sy] = toScreen(f.x, f.y);
+    for (const [color, extra] of [[colors.halo, 2.5], [colors.frontier, 0]]) {
+      pen.beginPath(); pen.arc(sx, sy, radius, 0, 2 * Math.PI);
+      pen.strokeStyle = color; pen.lineWidth = width + extra; pen.stroke();
+    }
+  };
+  for (const f of list) if (f.why !== "in order") ring(f, 3, 1.25);
+  pen.setLineDash([1, 5]);
+  trace(ordered.map(({ x, y }) => [x, y]));
+  pen.strokeStyle = colors.frontier; pen.lineWidth = 2; pen.stroke();
+  pen.setLineDash([]);
+  ordered.forEach((f, i) => {
+    const [sx, sy] = toScreen(f.x, f.y);
+    pen.beginPath(); pen.arc(sx, sy, 9, 0, 2 * Math.PI);
+    pen.fillStyle = colors.halo; pen.fill();
+    pen.strokeStyle = colors.frontier; pen.lineWidth = 2; pen.stroke();
+    pen.font = getComputedStyle(document.body).font.replace(/\d+px/, "11px");
+    pen.textAlign = "center"; pen.textBaseline = "middle";
+    pen.fillStyle = colors.ink; pen.fillText(String(i + 1), sx, sy + 0.5);
+  });
+  const f = list[pointedFrontier];
+  if (f) {
+    ring(f, 11, 3);
+    label(`${f.why}, ${rounded(f.area)} m²`, ...toScreen(f.x, f.y), colors.ink);
+  }
+  return list.length;
+}
 // What moves by itself: a disc as large as it is, an arrow to where it is in a second.
 function drawMovers() {
   for (const [x, y, vx, vy, size] of movers[step]) {
@@ -707,6 +768,7 @@ function draw() {
   else if (layers.estimated) path(column.estimated_x, column.estimated_y, step, colors.estimated, 2);
   legend(by, tint ? field : null);
   const moving = layers.movers ? drawMovers() : 0;
+  const standing = layers.order ? drawOrder() : 0;
   const target = layers.target && drawTarget();
   const goal = layers.zones && drawGoal();
   if (layers.candidates) for (const c of candidates[step]) if (c.verdict !== "executed") drawCandidate(c, colors["ink-3"], 1.25);
@@ -750,7 +812,7 @@ function draw() {
   }
   pen.closePath(); pen.fillStyle = colors.halo; pen.fill();
   scaleBar();
-  Object.assign(drawn, { target, goal, field: tint ? field.step : null, x, y, yaw, sx, sy, radius, frontiers: frontier.size, movers: moving, landmarks: landmarks[step].index.length, horizon: horizons[step].length });
+  Object.assign(drawn, { target, goal, field: tint ? field.step : null, x, y, yaw, sx, sy, radius, frontiers: frontier.size, movers: moving, standing, landmarks: landmarks[step].index.length, horizon: horizons[step].length });
 }
 
 function resize() {
@@ -1031,13 +1093,7 @@ const nowFields = (() => {
     { wide: true, tone: (k) => (["numerical trouble", "error"].includes(word.stop_reason[k]) || word.quality[k] === "infeasible" ? "warn" : "") });
   add("Guard", (k) => (column.guard_stops[k] > 0 ? `${plural(column.guard_stops[k], "stop")}${word.guard_reason[k] ? `: ${word.guard_reason[k]}` : ""}` : "no stop"),
     { there: () => column.guard_stops.some((count) => count > 0), tone: (k) => (column.guard_stops[k] > 0 ? "warn" : "") });
-  // What was said when it was last asked which is next.
-  add("Frontiers", (k) => {
-    let asked = k;
-    while (asked > 0 && !word.frontiers[asked]) --asked;
-    const said = word.frontiers[asked] ? `: ${word.frontiers[asked].replaceAll("m2", "m²")}` : "";
-    return `${fixed(column.active_frontiers[k], 0)} active${said}`;
-  }, { full: true });
+  add("Active frontiers", (k) => fixed(column.active_frontiers[k], 0));
   add("Certificate", (k) => [column.certified[k] === 1 ? "held" : "not held", word.certificate[k]].filter(Boolean).join(": "),
     { full: true, tone: (k) => (column.certified[k] === 1 ? "" : "warn") });
   return fields;
@@ -1087,6 +1143,30 @@ function showCandidates() {
   while (rows.length < mostCandidates) rows.push(make("tr", { class: "blank" }, make("th", {}, "\u00a0"), ...Array.from({ length: candidateTerms.length + 2 }, () => make("td"))));
   $("candidates").replaceChildren(...rows);
 }
+// How the frontiers stood when it was last asked which is next: all of the sequence, then those that promise most.
+const mostStandings = 8;
+function measureStandings() { $("standings-box").hidden = !standings.some((list) => list.length > 0); }
+measureStandings();
+function showStandings() {
+  if ($("standings-box").hidden) return;
+  const { asked, list } = standingsAt(step), left = list.length - mostStandings;
+  $("standings-title").textContent = list.length ? `as of ${fixed(column.time[asked], 1)} s${left > 0 ? `, the first ${mostStandings} of ${list.length}` : ""}` : "none";
+  const most = Math.max(...list.map(({ area }) => area));
+  const rows = list.slice(0, mostStandings).map((f, i) => make("tr", { tabindex: "0" },
+    make("th", { scope: "row" }, f.why === "in order" ? `${i + 1}` : "–"),
+    make("td", { class: f.why === "in order" ? "verdict chosen" : "verdict" }, i === 0 && f.why === "in order" ? "target" : f.why),
+    make("td", { class: "sum" }, make("span", {}, rounded(f.area)), make("i", { style: `width:${most > 0 ? (100 * f.area / most).toFixed(0) : 0}%` })),
+    make("td", {}, rounded(f.unknown)), make("td", {}, fixed(f.time, 1)), make("td", {}, rounded(f.area / f.time))));
+  while (rows.length < mostStandings) rows.push(make("tr", { class: "blank" }, make("th", {}, "\u00a0"), ...Array.from({ length: 5 }, () => make("td"))));
+  $("standings").replaceChildren(...rows);
+}
+function pointFrontier(i) { if (pointedFrontier !== i) { pointedFrontier = i; draw(); } }
+for (const [type, leaves] of [["pointerover", false], ["focusin", false], ["pointerleave", true], ["focusout", true]]) {
+  $("standings").addEventListener(type, (e) => {
+    const row = e.target.closest("tr");
+    pointFrontier(leaves || !row ? null : [...$("standings").children].indexOf(row));
+  });
+}
 for (const [type, leaves] of [["pointerover", false], ["focusin", false], ["pointerleave", true], ["focusout", true]]) {
   $("candidates").addEventListener(type, (e) => {
     const row = e.target.closest("tr");
@@ -1129,6 +1209,7 @@ function seek(target) {
   placeStrip();
   showWhy();
   showCandidates();
+  showStandings();
   draw();
   drawSight();
 }
@@ -1195,6 +1276,7 @@ function append(part, { withPlots = true } = {}) {
   pose = null;
   addLayers();
   measureCandidates();
+  measureStandings();
   $("slider").max = n - 1;
   showStage();
   if (first) {
@@ -1296,6 +1378,16 @@ if (location.hash === "#selftest") Promise.allSettled(pictures.map((p) => p.read
         draw();
         expect("the cost-to-go is drawn", drawn.field === f.step && changed(() => click("cost-to-go")) > 500);
       }
+      if (layers.order) {
+        expect("the order of the frontiers is drawn", drawn.standing === standingsAt(step).list.length && changed(() => click("order")) > 50);
+        click("order");
+        const { asked, list } = standingsAt(step), shown = [...$("standings").children].filter((row) => row.className !== "blank");
+        expect("the frontiers are in the table", shown.length === Math.min(list.length, mostStandings));
+        expect("with the time when it was asked", $("standings-title").textContent.includes(fixed(column.time[asked], 1)));
+        expect("a frontier that is pointed at is drawn", changed(() => shown[shown.length - 1].dispatchEvent(new PointerEvent("pointerover", { bubbles: true }))) > 20);
+        $("standings").dispatchEvent(new PointerEvent("pointerleave"));
+        expect("and no longer when it is left", pointedFrontier === null);
+      }
       const rows = $("candidates").children;
       if (candidates[step].length > 1) {
         const other = candidates[step].length - 1;
@@ -1329,6 +1421,8 @@ if (location.hash === "#selftest") Promise.allSettled(pictures.map((p) => p.read
 return {
   append, extendPlots, seek, draw, drawSight, pictures, canvas, drawn,
   column, word, speeds, steps: () => n, step: () => step,
+  view: () => ({ x: view.x, y: view.y, scale: view.scale }),
+  setView(to) { Object.assign(view, to, { touched: true }); draw(); },
   // Whether the map stays where it is as it grows.
   keepView(on) { view.kept = on; },
   // Where the robot is by now.

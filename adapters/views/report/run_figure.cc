@@ -15,7 +15,8 @@ constexpr double kMargin = 4.0, kLine = 11.0, kSize = 7.5;  // [pt]
 constexpr double kRoom = 0.3;                               // around what is drawn [m]
 constexpr Color kInk = {0x1a, 0x20, 0x2c}, kFreeGround = {0xe4, 0xe9, 0xf0},
                 kOccupiedGround = {0x2b, 0x34, 0x40}, kPath = {0x25, 0x63, 0xeb},
-                kPaper = {0xff, 0xff, 0xff};
+                kPaper = {0xff, 0xff, 0xff}, kUnknownGround = {0xf3, 0xd9, 0x9b},
+                kReachableGround = {0xb9, 0xd3, 0xfa};
 
 constexpr int kShades = 64, kScaleSteps = 48;  // of a quantity along the path; of its scale
 
@@ -308,6 +309,57 @@ Drawing map_figure(const GroundMap& map) {
   double width = 0.0;
   for (const Key& key : keys) width += key_width(key);
   draw_keys(drawing, keys, kColumn - kMargin - width, first);
+  return drawing;
+}
+
+Drawing world_figure(const GroundMap& read, const Grid<std::uint8_t>& reachable, const Pose& start,
+                     const std::vector<std::string>& facts) {
+  const GridFrame& f = read.frame();
+  const Eigen::Vector2d low = f.resolution * Eigen::Vector2d(f.i0, f.j0);
+  const Eigen::Vector2d high = low + f.resolution * Eigen::Vector2d(f.width, f.height);
+  Bounds rim;
+  rim.add(low);
+  rim.add(high);
+  const Placement at = placement_of(rim);
+  const std::vector<Key> keys = {{kReachableGround, "can be seen", true},
+                                 {kFreeGround, "free", true},
+                                 {kOccupiedGround, "occupied", true},
+                                 {kUnknownGround, "unknown, taken for solid", true},
+                                 {kInk, "rim: solid beyond"}};
+  const double first = at.bottom + kLine;
+  constexpr double kKeyLeft = 108.0;  // right of the scale bar
+  const double after = first + kLine * (key_lines(keys, kKeyLeft) - 1);
+  Drawing drawing(kColumn, after + kLine * static_cast<double>(facts.size()) + kMargin);
+
+  GroundMap seen(reachable.frame);
+  for (int n = 0; n < reachable.frame.size(); ++n) {
+    const Cell c = reachable.frame.at(n);
+    if (reachable[c] != 0) seen.set(c, CellState::kFree);
+  }
+  draw_map(drawing, read, at);
+  drawing.rectangles(areas_of(read, CellState::kUnknown, at), kUnknownGround);
+  drawing.rectangles(areas_of(seen, CellState::kFree, at), kReachableGround);
+  drawing.line({at(low), at({high.x(), low.y()}), at(high), at({low.x(), high.y()}), at(low)}, kInk,
+               0.8);
+  const Drawing::Point from = at(start.position.head<2>());
+  const Drawing::Point ahead(std::cos(start.yaw), -std::sin(start.yaw)),
+      side(-ahead.y(), ahead.x());
+  for (const bool halo : {true, false}) {
+    const Color color = halo ? kPaper : kPath;
+    const double width = halo ? 3.2 : 1.6;
+    const Drawing::Point tip = from + 13.0 * ahead;
+    drawing.line({from, tip}, color, width);
+    drawing.line({tip - 4.0 * ahead + 3.0 * side, tip, tip - 4.0 * ahead - 3.0 * side}, color,
+                 width);
+  }
+  drawing.circle(from, 2.6, kPath, kPaper, 1.0);
+  drawing.text("start", from + Drawing::Point(4.0, 9.0), kSize, kInk);
+  draw_scale_bar(drawing, at, first);
+  draw_keys(drawing, keys, kKeyLeft, first);
+  for (std::size_t n = 0; n < facts.size(); ++n) {
+    drawing.text(facts[n], {kMargin + 1.0, after + kLine * static_cast<double>(n + 1)}, kSize,
+                 kInk);
+  }
   return drawing;
 }
 

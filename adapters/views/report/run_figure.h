@@ -2,11 +2,14 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <string>
 #include <vector>
 
 #include "adapters/views/report/drawing.h"
+#include "engine/maps/grid.h"
 #include "engine/maps/ground_map.h"
+#include "models/types.h"
 
 namespace prospect {
 
@@ -28,7 +31,14 @@ Drawing path_figure(const GroundMap* map, const ColoredPath& path);
 /// The map as the robot knew it: free and occupied cells.
 Drawing map_figure(const GroundMap& map);
 
-/// What stands for the colours of both in a page that may be dark (adapters/views/page/page.css).
+/// How a world was read, before a robot drives in it: what is free, occupied and unknown at the
+/// heights of its body, what it could see of it from where it gets to (1 in `reachable`), the rim,
+/// beyond which all is solid, and where it starts. `facts`: lines below.
+Drawing world_figure(const GroundMap& read, const Grid<std::uint8_t>& reachable, const Pose& start,
+                     const std::vector<std::string>& facts);
+
+/// What stands for the colours of path and map in a page that may be dark
+/// (adapters/views/page/page.css).
 Drawing::PageColors figure_page_colors();
 
 }  // namespace prospect

@@ -138,6 +138,30 @@ TEST(StepMessages, HorizonAndMarkersAreReadBack) {
   }
 }
 
+TEST(StepMessages, FrontiersAreReadBackInTheirOrder) {
+  using Why = FrontierStanding::Why;
+  StepRecord step;
+  step.standings = {{{1.5F, -2.0F}, Why::kInOrder, 3.25, 4.0, 8.5},
+                    {{0.25F, 7.0F}, Why::kFarther, 1.0, 1.25, FrontierStanding::kNone},
+                    {{4.0F, 4.0F}, Why::kLittle, 0.0625, 0.125, 12.0}};
+  const ros::MarkerArray markers = frontier_markers(step, 0);
+  ASSERT_EQ(markers.markers.size(), 4U);
+  EXPECT_EQ(markers.markers[0].action, ros::Marker::kDeleteAll);
+  EXPECT_EQ(markers.markers[1].text, "1: 3.25 m2 in 8.5 s");
+  EXPECT_EQ(markers.markers[2].text, "farther: 1.00 m2");
+  StepRecord back;
+  back.standings.resize(7);  // replaced, not added to
+  read_frontier_markers(markers, back);
+  ASSERT_EQ(back.standings.size(), step.standings.size());
+  for (std::size_t i = 0; i < back.standings.size(); ++i) {
+    EXPECT_EQ(back.standings[i].place, step.standings[i].place);
+    EXPECT_EQ(back.standings[i].why, step.standings[i].why);
+    EXPECT_EQ(back.standings[i].area, step.standings[i].area);
+    EXPECT_EQ(back.standings[i].unknown, step.standings[i].unknown);
+    EXPECT_EQ(back.standings[i].time, step.standings[i].time);
+  }
+}
+
 TEST(StepMessages, CostToGoKeepsItsKnownCells) {
   CostToGoPicture picture;
   picture.frame = {0.2, -3, 5, 4, 3};
