@@ -24,7 +24,7 @@ struct LeafBox {
 template <typename Iterator>
 LeafBox leaf_box(const Iterator& leaf, unsigned tree_depth) {
   const int size = 1 << (tree_depth - leaf.getDepth());
-  const octomap::OcTreeKey key = leaf.getKey();
+  const octomap::OcTreeKey& key = leaf.getKey();
   LeafBox box{};
   box.size = size;
   for (unsigned a = 0; a < 3; ++a) {

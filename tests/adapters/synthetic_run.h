@@ -259,10 +259,10 @@ inline RunRecord synthetic_run(int steps) {
         using Why = FrontierStanding::Why;
         for (std::size_t n = 0; n < 3; ++n) {
           const Eigen::Vector2d at = way[std::min(next + 2 + n, way.size() - 1)] + drift;
-          s.standings.push_back({at.cast<float>(), Why::kInOrder, 6.0 - n, 7.0 - n, 5.0 + 4.0 * n});
+          s.standings.push_back({at, Why::kInOrder, 6.0 - n, 7.0 - n, 5.0 + 4.0 * n});
         }
-        s.standings.push_back({{1.0F, 1.0F}, Why::kLittle, 0.04, 0.1, 12.0});
-        s.standings.push_back({{2.0F, 5.0F}, Why::kNoPath, 0.02, 0.3});
+        s.standings.push_back({{1.0, 1.0}, Why::kLittle, 0.04, 0.1, 12.0});
+        s.standings.push_back({{2.0, 5.0}, Why::kNoPath, 0.02, 0.3});
       }
       char text[200];
       if (mode == ModeKind::kRetreat) {

@@ -36,7 +36,7 @@ enum Topic : std::size_t {
   kMapUpdates,
   kPlan,
   kMarkers,
-  kFrontiers,
+  kStandings,
   kStep,
   kCostToGo,
   kEvents,
@@ -257,7 +257,7 @@ void MissionMessages::step(const StepRecord& step) {
   put_(kPlan, now, ros::to_cdr(horizon_path(step, options_.dt, now)));
   put_(kMarkers, now, ros::to_cdr(step_markers(step, options_.resolution, now)));
   if (!step.standings.empty()) {
-    put_(kFrontiers, now, ros::to_cdr(frontier_markers(step, now)));
+    put_(kStandings, now, ros::to_cdr(frontier_markers(step, now)));
   }
   if (step.cost_to_go) {
     std::string bytes;

@@ -327,8 +327,8 @@ void read_frontier_markers(const ros::MarkerArray& array, StepRecord& step) {
                                   [&](Why w) { return m.ns == name(w); });
     if (why == std::end(kFrontierWhys)) continue;
     const ros::Point& at = m.pose.position;
-    step.standings.push_back({Eigen::Vector2d(at.x, at.y).cast<float>(), *why, m.points[0].x,
-                              m.points[0].y, m.points[0].z});
+    step.standings.push_back(
+        {Eigen::Vector2d(at.x, at.y), *why, m.points[0].x, m.points[0].y, m.points[0].z});
   }
 }
 

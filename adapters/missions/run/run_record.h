@@ -44,7 +44,7 @@ struct TargetRecord {
 
 /// A frontier when it was asked which is next (FrontierStanding).
 struct FrontierRecord {
-  Eigen::Vector2f place = Eigen::Vector2f::Zero();  ///< its centroid, estimated frame [m]
+  Eigen::Vector2d place = Eigen::Vector2d::Zero();  ///< its centroid, estimated frame [m]
   FrontierStanding::Why why = FrontierStanding::Why::kLater;
   double area = 0.0;                      ///< E: that a look at it is expected to show [m^2]
   double unknown = 0.0;                   ///< A: unknown ground that a look at it may show [m^2]

@@ -26,8 +26,8 @@ std::vector<FrontierRecord> frontier_records(const GlobalPlan& global_plan) {
   records.reserve(global_plan.standings.size());
   for (const FrontierStanding& standing : global_plan.standings) {
     const Frontier& frontier = global_plan.frontiers[static_cast<std::size_t>(standing.frontier)];
-    records.push_back({frontier.centroid.cast<float>(), standing.why, standing.area,
-                       frontier.expected_gain, standing.time});
+    records.push_back(
+        {frontier.centroid, standing.why, standing.area, frontier.expected_gain, standing.time});
   }
   return records;
 }

@@ -255,8 +255,7 @@ Json standing_json(const Steps& steps) {
     text.add_varint(step.standings.size());
     for (const FrontierRecord& f : step.standings) {
       text.add_varint(whys.number(std::string(name(f.why))));
-      for (const double value :
-           {double{f.place.x()}, double{f.place.y()}, f.area, f.unknown, f.time}) {
+      for (const double value : {f.place.x(), f.place.y(), f.area, f.unknown, f.time}) {
         values.add_float(value);
       }
     }

@@ -1074,7 +1074,7 @@ const nowFields = (() => {
     return `${way}, frontier of ${fixed(column.target_length[k], 1)} m, promises ${fixed(column.target_area[k], 1)} m²${change}`;
   }, { there: modes, wide: true });
   add("Map corrected", (k) => (isNumber(column.corrected_by[k]) ? `by ${correctionText(k)}: ${word.corrected_why[k]}`
-    : plural(column.corrections[k], "time")) + (column.corrections_refused[k] > 0 ? `, ${column.corrections_refused[k]} refused` : ""),
+    : isNumber(column.corrections[k]) ? plural(column.corrections[k], "time") : "not yet") + (column.corrections_refused[k] > 0 ? `, ${column.corrections_refused[k]} refused` : ""),
     { there: () => column.map_x.some(isNumber), wide: true, tone: (k) => (isNumber(column.corrected_by[k]) ? "warn" : "") });
   add("Safety level", (k) => word.caution[k] || "–", { there: modes, tone: (k) => (careful(word.caution[k]) ? "warn" : "") });
   add("Coverage", (k) => `${percent(column.coverage[k])} %, ${fixed(column.area[k], 1)} m²`);

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <limits>
 #include <map>
+#include <sstream>
 
 namespace prospect {
 namespace {
@@ -267,6 +268,26 @@ void draw_ends(Drawing& drawing, const ColoredPath& path, const Placement& at) {
   mark(*last, kInk, "end", together ? 8.0 : 2.7);
 }
 
+/// Sentences in lines that fit the figure.
+std::vector<std::string> wrapped(const std::vector<std::string>& sentences) {
+  std::vector<std::string> lines;
+  for (const std::string& sentence : sentences) {
+    std::istringstream words(sentence);
+    std::string line;
+    for (std::string word; words >> word;) {
+      const std::string longer = line.empty() ? word : line + ' ' + word;
+      if (!line.empty() && Drawing::text_width(longer, kSize) > kColumn - 2.0 * kMargin) {
+        lines.push_back(line);
+        line = "  " + word;
+      } else {
+        line = longer;
+      }
+    }
+    lines.push_back(line);
+  }
+  return lines;
+}
+
 }  // namespace
 
 Drawing path_figure(const GroundMap* map, const ColoredPath& path) {
@@ -329,7 +350,8 @@ Drawing world_figure(const GroundMap& read, const Grid<std::uint8_t>& reachable,
   const double first = at.bottom + kLine;
   constexpr double kKeyLeft = 108.0;  // right of the scale bar
   const double after = first + kLine * (key_lines(keys, kKeyLeft) - 1);
-  Drawing drawing(kColumn, after + kLine * static_cast<double>(facts.size()) + kMargin);
+  const std::vector<std::string> lines = wrapped(facts);
+  Drawing drawing(kColumn, after + kLine * static_cast<double>(lines.size()) + kMargin);
 
   GroundMap seen(reachable.frame);
   for (int n = 0; n < reachable.frame.size(); ++n) {
@@ -356,8 +378,8 @@ Drawing world_figure(const GroundMap& read, const Grid<std::uint8_t>& reachable,
   drawing.text("start", from + Drawing::Point(4.0, 9.0), kSize, kInk);
   draw_scale_bar(drawing, at, first);
   draw_keys(drawing, keys, kKeyLeft, first);
-  for (std::size_t n = 0; n < facts.size(); ++n) {
-    drawing.text(facts[n], {kMargin + 1.0, after + kLine * static_cast<double>(n + 1)}, kSize,
+  for (std::size_t n = 0; n < lines.size(); ++n) {
+    drawing.text(lines[n], {kMargin + 1.0, after + kLine * static_cast<double>(n + 1)}, kSize,
                  kInk);
   }
   return drawing;

@@ -141,9 +141,9 @@ TEST(StepMessages, HorizonAndMarkersAreReadBack) {
 TEST(StepMessages, FrontiersAreReadBackInTheirOrder) {
   using Why = FrontierStanding::Why;
   StepRecord step;
-  step.standings = {{{1.5F, -2.0F}, Why::kInOrder, 3.25, 4.0, 8.5},
-                    {{0.25F, 7.0F}, Why::kFarther, 1.0, 1.25, FrontierStanding::kNone},
-                    {{4.0F, 4.0F}, Why::kLittle, 0.0625, 0.125, 12.0}};
+  step.standings = {{{1.5, -2.0}, Why::kInOrder, 3.25, 4.0, 8.5},
+                    {{0.25, 7.0}, Why::kFarther, 1.0, 1.25, FrontierStanding::kNone},
+                    {{4.0, 4.0}, Why::kLittle, 0.0625, 0.125, 12.0}};
   const ros::MarkerArray markers = frontier_markers(step, 0);
   ASSERT_EQ(markers.markers.size(), 4U);
   EXPECT_EQ(markers.markers[0].action, ros::Marker::kDeleteAll);

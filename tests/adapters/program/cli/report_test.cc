@@ -83,6 +83,25 @@ TEST(Report, NeedsNothingBesideIt) {
   EXPECT_EQ(count(html, "dygraphs/blob/v"), 1) << "the library's licence stays with it";
 }
 
+TEST(Report, FrontiersStandInTheirOrderWithTheirReason) {
+  const RunRecord run = synthetic_run(60);
+  const nlohmann::json standings = data(render_report(run)).at("standings");
+  Reader steps(standings.at("steps")), values(standings.at("values"));
+  int asked = 0;
+  for (const StepRecord& step : run.steps) {
+    ASSERT_EQ(steps.varint(), step.standings.size()) << step.step;
+    asked += step.standings.empty() ? 0 : 1;
+    for (const FrontierRecord& f : step.standings) {
+      EXPECT_EQ(standings.at("whys").at(steps.varint()), name(f.why));
+      for (const double value : {f.place.x(), f.place.y(), f.area, f.unknown, f.time}) {
+        EXPECT_EQ(values.number(), static_cast<float>(value));
+      }
+    }
+  }
+  EXPECT_EQ(asked, 8);
+  EXPECT_TRUE(steps.done() && values.done());
+}
+
 TEST(Report, AMissionOfSixHundredStepsIsSmall) {
   NOT_UNDER_SANITIZERS("costs, sizes and times are those of the release build");
   const RunRecord run = synthetic_run(600);

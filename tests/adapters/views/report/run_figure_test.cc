@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <set>
 #include <string>
@@ -132,6 +133,30 @@ TEST(RunFigure, ManyModesTakeFurtherLines) {
   const double before = path_figure(nullptr, path).height();
   for (std::size_t k = 0; k < path.modes.size(); ++k) path.modes[k] = "mode " + std::to_string(k);
   EXPECT_GT(path_figure(nullptr, path).height(), before + 50.0);
+}
+
+TEST(RunFigure, AWorldShowsHowItWasRead) {
+  Grid<std::uint8_t> reachable(GridFrame{0.1, 0, 0, 60, 40}, 0);
+  for (int i = 1; i < 30; ++i) reachable[{i, 5}] = 1;
+  GroundMap read = room();
+  read.set({50, 20}, CellState::kUnknown);
+  const Pose start{{1.0, 2.0, 0.0}, 0.5 * M_PI};
+  const Drawing figure = world_figure(read, reachable, start, {"6 x 4 m"});
+  const std::string svg = figure.svg();
+  for (const char* word : {"start", "can be seen", "free", "occupied", "unknown, taken for solid",
+                           "rim: solid beyond", "6 x 4 m"}) {
+    EXPECT_THAT(svg, HasSubstr(">" + std::string(word) + "</text>"));
+  }
+  // One run of cells that can be seen, one unknown cell.
+  for (const char* color : {"#b9d3fa", "#f3d99b"}) {
+    const std::size_t at = svg.find("fill=\"" + std::string(color) + "\" d=\"");
+    ASSERT_NE(at, std::string::npos) << color;
+    EXPECT_EQ(occurrences(svg.substr(at, svg.find("/>", at) - at), "M"), 1) << color;
+  }
+  // A long sentence takes further lines.
+  const std::string sentence =
+      "read without: 3 keys, 2 textures and a heightmap, which this reader does not know at all";
+  EXPECT_GT(world_figure(read, reachable, start, {sentence}).height(), figure.height() + 5.0);
 }
 
 }  // namespace
