@@ -56,6 +56,23 @@ else
   echo "habits: no file is tidied: no clang-tidy"
 fi
 
+# Pictures of the pages: each is made by the script, which says what it cannot do and makes what it can.
+for picture in "$root"/docs/images/*; do
+  name="$(basename "$picture")"
+  [[ "$name" =~ ^camera_(office|warehouse)_(left|right|depth)\.jpg$ ]] || grep -q " $name$" "$root/scripts/pictures" ||
+    fail "$name is made by no script"
+done
+"$root/scripts/pictures" --build "$work/none" 2>"$work/err" && fail "pictures of no program"
+grep -q "none/prospect: no such program; expected a build tree" "$work/err" || fail "no program: $(<"$work/err")"
+"$root/scripts/pictures" --only none --build "$build" --out "$work" 2>"$work/err" && fail "a picture that is none"
+if command -v chromium >/dev/null; then
+  grep -q "'none'; expected report, go, map or cameras" "$work/err" || fail "a picture that is none: $(<"$work/err")"
+  "$root/scripts/pictures" --only go --build "$build" --out "$work/pictures" >/dev/null || fail "scripts/pictures --only go"
+  cmp -s <(head -c 8 "$work/pictures/go_where_it_is_told.png") <(printf '\x89PNG\r\n\x1a\n') || fail "no picture was made"
+else
+  echo "habits: no picture is made: no Chromium"
+fi
+
 # Key figures: the same build is no worse than itself; what has grown is marked.
 mkdir -p "$work/tree/releases/0.0.9" "$work/tree/releases/0.0.10"
 cp -r "$root/scripts" "$work/tree/"
