@@ -24,6 +24,7 @@
 #include "engine/maps/correction.h"
 #include "engine/maps/floor_state.h"
 #include "engine/maps/heading_fit.h"
+#include "engine/maps/levelled_octree.h"
 #include "engine/maps/map_projection.h"
 #include "engine/maps/movers.h"
 #include "engine/maps/pose_error.h"
@@ -356,11 +357,12 @@ class Scene {
       return static_cast<octomap::key_type>(std::clamp(address + kKeyOrigin, 0, 65535));
     };
     double evidence = 0.0;
+    const int up = level_of(*closing_.octree, {i, j});
     for (int k = low; k <= high && evidence < closing_.free_evidence; ++k) {
       budget_.spend(kNearCost);
       if (voxels_.state(i, j, k) != CellState::kFree) continue;
       const octomap::OcTreeNode* node =
-          closing_.octree->search(octomap::OcTreeKey(key(i), key(j), key(k)));
+          closing_.octree->search(octomap::OcTreeKey(key(i), key(j), key(k + up)));
       if (node == nullptr) return false;  // the mirror alone knows of it
       evidence -= static_cast<double>(node->getLogOdds());
     }

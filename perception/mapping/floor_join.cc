@@ -3,112 +3,445 @@
 
 #include <algorithm>
 #include <cmath>
-#include <span>
 
 namespace prospect {
 namespace {
 
-constexpr Cell kAround[] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}, {1, 1}, {-1, 1}, {-1, -1}, {1, -1}};
+// Direction d + 4 is opposite to d.
+constexpr Cell kAround[] = {{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}, {0, -1}, {1, -1}};
 
-int level_of(int k, int k_stand) { return std::max(0, k - k_stand); }
+Cell beside(Cell c, int d, int steps = 1) {
+  return {c.i + steps * kAround[d].i, c.j + steps * kAround[d].j};
+}
+double stride(int d) { return d % 2 == 0 ? 1.0 : M_SQRT2; }
 
 }  // namespace
 
-FloorJoin::FloorJoin(const GridFrame& frame, int k_stand, double step, const Surfaces& surfaces)
-    : step_(step),
-      height_(frame, std::numeric_limits<float>::quiet_NaN()),
-      level_(frame, 0),
-      closed_(frame, 0) {
-  std::vector<std::size_t> first;  // of each cell, and the end
-  std::vector<FloorSurface> all;
-  for (int n = 0; n < frame.size(); ++n) {
-    first.push_back(all.size());
-    surfaces(frame.at(n), all);
-  }
-  first.push_back(all.size());
-  grow(first, all, k_stand);
-  close();
-  spread();
+FloorJoin::FloorJoin(double resolution, int k_body, double step)
+    : r_(resolution),
+      step_(step),
+      highest_(step),
+      k_body_(k_body),
+      reach_(std::max(1, static_cast<int>(kBaseline / resolution + 1e-9))) {}
+
+FloorJoin::Tile* FloorJoin::tile(Cell c) const {
+  const auto part = [](int at) {
+    return static_cast<std::uint64_t>(static_cast<std::uint32_t>(floor_divide(at, kTile)));
+  };
+  const std::uint64_t at = part(c.i) << 32 | part(c.j);
+  if (newest_ != nullptr && newest_at_ == at) return newest_;
+  const auto found = tiles_.find(at);
+  if (found == tiles_.end()) return nullptr;
+  newest_at_ = at;
+  newest_ = found->second.get();
+  return newest_;
 }
 
-void FloorJoin::grow(const std::vector<std::size_t>& first, const std::vector<FloorSurface>& all,
-                     int k_stand) {
-  const GridFrame& f = height_.frame;
-  const auto surfaces = [&](std::size_t at) {
-    return std::span<const FloorSurface>(all).subspan(first[at], first[at + 1] - first[at]);
-  };
-  const auto take = [&](std::size_t at, const FloorSurface& surface) {
-    height_.data[at] = static_cast<float>(surface.z);
-    level_.data[at] = static_cast<std::int16_t>(level_of(surface.k, k_stand));
-    order_.push_back(static_cast<int>(at));
-  };
-  for (std::size_t at = 0; at + 1 < first.size(); ++at) {
-    const FloorSurface* highest = nullptr;
-    for (const FloorSurface& s : surfaces(at)) {
-      if (s.k <= k_stand && (highest == nullptr || s.k > highest->k)) highest = &s;
-    }
-    if (highest != nullptr) take(at, *highest);
+FloorJoin::Spot* FloorJoin::find(Cell c) const {
+  if (tiles_.empty()) return nullptr;
+  Tile* t = tile(c);
+  if (t == nullptr) return nullptr;
+  return &(*t)[static_cast<std::size_t>((c.j & (kTile - 1)) * kTile + (c.i & (kTile - 1)))];
+}
+
+// The spot of a cell that is not flat: all within kSpread have one from now on.
+FloorJoin::Spot& FloorJoin::spot(Cell c) {
+  for (const Cell corner : {Cell{-kSpread, -kSpread}, Cell{kSpread, -kSpread},
+                            Cell{-kSpread, kSpread}, Cell{kSpread, kSpread}}) {
+    const Cell at{c.i + corner.i, c.j + corner.j};
+    if (tile(at) != nullptr) continue;
+    const auto part = [](int a) {
+      return static_cast<std::uint64_t>(static_cast<std::uint32_t>(floor_divide(a, kTile)));
+    };
+    tiles_.emplace(part(at.i) << 32 | part(at.j), std::make_unique<Tile>());
   }
-  for (std::size_t next = 0; next < order_.size(); ++next) {
-    const Cell c = f.at(order_[next]);
-    const double from = height_[c];
-    for (const Cell d : kAround) {
-      const Cell to{c.i + d.i, c.j + d.j};
-      if (!f.contains(to) || !std::isnan(height_[to])) continue;
-      const double way = f.resolution * std::hypot(d.i, d.j);
-      const auto at = static_cast<std::size_t>(f.index(to));
-      const FloorSurface* best = nullptr;
-      for (const FloorSurface& s : surfaces(at)) {
-        const double off = std::abs(s.z - from);
-        if (joins(off, way, step_) && (best == nullptr || off < std::abs(best->z - from))) {
-          best = &s;
+  return *find(c);
+}
+
+double FloorJoin::most_rise() const { return std::max(step_, kSteepest * M_SQRT2 * r_ + kUneven); }
+
+float FloorJoin::height(Cell c) const {
+  const Spot* s = find(c);
+  return s != nullptr ? s->height : std::numeric_limits<float>::quiet_NaN();
+}
+int FloorJoin::level(Cell c) const {
+  const Spot* s = find(c);
+  return s != nullptr ? s->level : 0;
+}
+bool FloorJoin::closed(Cell c) const {
+  const Spot* s = find(c);
+  return s != nullptr && s->closed;
+}
+
+const FloorSurface* FloorJoin::flat_of(const std::vector<FloorSurface>& found) const {
+  const FloorSurface* flat = nullptr;
+  for (const FloorSurface& s : found) {
+    if (s.k >= k_body_ || (s.k >= 0 && s.z > step_)) continue;
+    if (flat == nullptr || s.k > flat->k) flat = &s;
+  }
+  return flat;
+}
+
+const FloorSurface* FloorJoin::joining(const std::vector<FloorSurface>& found, double from,
+                                       double way) const {
+  const FloorSurface* best = nullptr;
+  for (const FloorSurface& s : found) {
+    if (s.k < k_body_ && (s.k < 0 || !s.sure)) continue;
+    const double off = std::abs(s.z - from);
+    if (joins(off, way, step_) && (best == nullptr || off < std::abs(best->z - from))) best = &s;
+  }
+  return best;
+}
+
+// The ground of a cell; a flat one is looked at when it is asked for.
+float FloorJoin::ground(Cell c) {
+  Spot* s = find(c);
+  if (s != nullptr && s->looked) return s->height;
+  beside_.clear();
+  (*surfaces_)(c, beside_);
+  const FloorSurface* flat = flat_of(beside_);
+  const float z = flat == nullptr ? std::numeric_limits<float>::quiet_NaN()
+                  : flat->k < 0   ? 0.0F
+                                  : static_cast<float>(flat->z);
+  if (s != nullptr) {
+    s->looked = true;
+    s->height = z;
+    s->joined_to = flat != nullptr ? kFlat : kNone;
+  }
+  return z;
+}
+
+void FloorJoin::set_ground(Cell c, Spot& s, double z, std::uint8_t joined_to) {
+  s.looked = true;
+  s.low = false;
+  const bool was_flat = s.joined_to == kFlat;
+  s.joined_to = joined_to;
+  // Also where it does not join what it has been joined to any more.
+  if (was_flat == (joined_to == kFlat) && std::abs(z - s.height) < kSettled) return;
+  s.height = static_cast<float>(z);
+  highest_ = std::max(highest_, z);
+  moved_.push_back(c);
+  for (int d = 0; d < 8; ++d) {
+    const Cell at = beside(c, d);
+    const Spot* other = find(at);
+    if (other == nullptr || !other->looked) continue;
+    if (other->joined_to == (d + 4) % 8 &&
+        !joins(std::abs(other->height - s.height), r_ * stride(d), step_)) {
+      let_go(at);
+    } else if (std::isnan(other->height)) {
+      queue_.push_back(at);
+    }
+  }
+}
+
+// Takes the ground from a cell, and from all that has grown from it.
+void FloorJoin::let_go(Cell first) {
+  std::vector<Cell> left{first};
+  while (!left.empty()) {
+    const Cell c = left.back();
+    left.pop_back();
+    Spot& s = *find(c);
+    if (std::isnan(s.height)) continue;
+    s.height = std::numeric_limits<float>::quiet_NaN();
+    s.joined_to = kNone;
+    moved_.push_back(c);
+    queue_.push_back(c);
+    for (int d = 0; d < 8; ++d) {
+      const Spot* other = find(beside(c, d));
+      if (other != nullptr && other->joined_to == (d + 4) % 8) left.push_back(beside(c, d));
+    }
+  }
+}
+
+void FloorJoin::review(Cell c) {
+  Spot* s = find(c);
+  found_.clear();
+  (*surfaces_)(c, found_);
+  const FloorSurface* flat = flat_of(found_);
+  if (flat != nullptr) {
+    if (s != nullptr && s->looked) set_ground(c, *s, flat->k < 0 ? 0.0 : flat->z, kFlat);
+    return;
+  }
+  if (s != nullptr) {
+    s->looked = true;
+    if (!std::isnan(s->height)) {
+      const FloorSurface* still = nullptr;
+      if (s->joined_to < 8) {
+        const int d = s->joined_to;
+        still = joining(found_, ground(beside(c, d)), r_ * stride(d));
+      }
+      if (still != nullptr) {
+        set_ground(c, *s, still->z, s->joined_to);
+        return;
+      }
+      let_go(c);
+    }
+  }
+  queue_.push_back(c);
+}
+
+void FloorJoin::grow() {
+  for (std::size_t next = 0; next < queue_.size(); ++next) {
+    const Cell c = queue_[next];
+    const Spot* known = find(c);
+    if (known != nullptr && known->looked && !std::isnan(known->height)) continue;
+    found_.clear();
+    (*surfaces_)(c, found_);
+    if (found_.empty() && known == nullptr) continue;
+    if (flat_of(found_) != nullptr) {
+      ground(c);
+      continue;
+    }
+    const FloorSurface* best = nullptr;
+    int direction = 0;
+    double least = 0.0;
+    for (int d = 0; d < 8 && !found_.empty(); ++d) {
+      const double from = ground(beside(c, d));
+      if (std::isnan(from)) continue;
+      const FloorSurface* there = joining(found_, from, r_ * stride(d));
+      if (there == nullptr || (best != nullptr && std::abs(there->z - from) >= least)) continue;
+      best = there;
+      direction = d;
+      least = std::abs(there->z - from);
+    }
+    if (best == nullptr) {
+      close_low(c);
+      continue;
+    }
+    const double z = best->z;
+    set_ground(c, spot(c), z, static_cast<std::uint8_t>(direction));
+    for (int d = 0; d < 8; ++d) {
+      if (std::isnan(ground(beside(c, d)))) queue_.push_back(beside(c, d));
+    }
+  }
+  queue_.clear();
+}
+
+// Of found_, of a cell that joins nothing.
+void FloorJoin::close_low(Cell c) {
+  const bool low = std::any_of(found_.begin(), found_.end(), [this](const FloorSurface& s) {
+    return s.k >= 0 && s.k < k_body_ && s.sure && s.z > step_;
+  });
+  Spot* s = find(c);
+  if (low ? s != nullptr && s->low : s == nullptr || !s->low) return;
+  Spot& now = spot(c);
+  now.looked = true;
+  now.low = low;
+  moved_.push_back(c);
+}
+
+int FloorJoin::level_of(Cell c, const Spot& s) {
+  if (s.joined_to == kFlat || s.low) return 0;
+  if (!std::isnan(s.height)) {
+    if (s.reached_by == kNone) return 0;
+    // A layer is left when its edge is passed for certain.
+    const double above = (s.height + kAbove) / r_ - s.level, certain = kSettled / r_;
+    if (s.own && s.level > 0 && above > -certain && above < 1.0 + certain) return s.level;
+    return std::max(0, static_cast<int>(std::floor((s.height + kAbove) / r_)));
+  }
+  int level = 0, nearest = 2 * kSpread * kSpread + 1;
+  for (int ring = 1; ring <= kSpread && ring * ring < nearest; ++ring) {
+    for (int j = -ring; j <= ring; ++j) {
+      const int step = std::abs(j) == ring ? 1 : 2 * ring;
+      for (int i = -ring; i <= ring; i += step) {
+        const Cell at{c.i + i, c.j + j};
+        if (i * i + j * j >= nearest || std::isnan(ground(at))) continue;
+        const Spot* other = find(at);
+        if (other == nullptr || other->closed || !is_reached(*other)) continue;
+        nearest = i * i + j * j;
+        level = other->joined_to == kFlat ? 0 : other->level;
+      }
+    }
+  }
+  return level;
+}
+
+bool FloorJoin::is_edge(Cell c, const Spot& s) {
+  if (!std::isnan(s.height)) {
+    if (!(s.height > step_)) return false;
+    for (int d = 0; d < 8; ++d) {
+      const double other = ground(beside(c, d));
+      if (!std::isnan(other) && !joins(s.height - other, r_ * stride(d), step_)) return true;
+    }
+    return false;
+  }
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (int j = -2; j <= 2; ++j) {
+    for (int i = -2; i <= 2; ++i) {
+      const double z = ground({c.i + i, c.j + j});
+      if (std::isnan(z)) continue;
+      low = std::min(low, z);
+      high = std::max(high, z);
+    }
+  }
+  return high > step_ && !joins(high - low, 4.0 * r_, step_);
+}
+
+bool FloorJoin::is_steep(Cell c) {
+  const double here = height(c);
+  std::vector<double> line;
+  for (int d = 0; d < 4; ++d) {
+    const double way = r_ * stride(d);
+    const int reach = std::max(1, static_cast<int>(reach_ / stride(d)));
+    const double next = ground(beside(c, d)), last = ground(beside(c, d + 4));
+    const bool goes_on = !std::isnan(next) && joins(std::abs(next - here), way, step_);
+    const bool came = !std::isnan(last) && joins(std::abs(last - here), way, step_);
+    if (!goes_on && !came) continue;
+    const double slope = ((goes_on ? next : here) - (came ? last : here)) /
+                         (way * ((goes_on ? 1 : 0) + (came ? 1 : 0)));
+    if (std::abs(slope) < 0.5 * kSteepest) continue;
+    // From behind to ahead, as far as each joins the one before.
+    line.assign(1, here);
+    const auto extend = [&](int direction) {
+      for (int steps = 1; steps <= reach; ++steps) {
+        const double z = ground(beside(c, direction, steps));
+        if (std::isnan(z) || !joins(std::abs(z - line.back()), way, step_)) break;
+        line.push_back(z);
+      }
+    };
+    extend(d + 4);
+    std::reverse(line.begin(), line.end());
+    const std::size_t at = line.size() - 1;
+    extend(d);
+    for (std::size_t a = 0; a <= at; ++a) {
+      for (std::size_t b = at; b < line.size() && b - a <= static_cast<std::size_t>(reach); ++b) {
+        if (!joins(std::abs(line[b] - line[a]), way * static_cast<double>(b - a), step_)) {
+          return true;
         }
       }
-      if (best != nullptr) take(at, *best);
     }
   }
+  return false;
 }
 
-void FloorJoin::close() {
-  const GridFrame& f = height_.frame;
-  for (const int n : order_) {
-    const Cell c = f.at(n);
-    const double high = height_[c];
-    if (!(high > step_)) continue;  // nothing that is floor lies so far below it
-    for (const Cell d : kAround) {
-      const double stride = f.resolution * std::hypot(d.i, d.j);
-      double before = high;
-      for (int steps = 1; steps * stride <= kBaseline; ++steps) {
-        const double low = height({c.i + steps * d.i, c.j + steps * d.j});
-        // Beyond an edge another floor begins: the cell at the edge alone is closed.
-        if (std::isnan(low) || (steps > 1 && !joins(std::abs(before - low), stride, step_))) {
-          break;
-        }
-        before = low;
-        if (joins(high - low, steps * stride, step_)) continue;
-        for (int at = 0; at < steps; ++at) closed_[{c.i + at * d.i, c.j + at * d.j}] = 1;
-        break;
+// What can be reached, where ground has moved or been closed or opened: collected in reached_.
+void FloorJoin::reach(const std::vector<Cell>& shut) {
+  reached_.clear();
+  queue_.clear();
+  std::vector<Cell> left;
+  const auto leads = [&](Cell from, Cell to, double way) {
+    const Spot* a = find(from);
+    return a != nullptr && !a->closed && is_reached(*a) &&
+           joins(std::abs(a->height - find(to)->height), way, step_);
+  };
+  const auto check = [&](Cell c) {
+    Spot& s = *find(c);
+    if (s.joined_to == kFlat || std::isnan(s.height)) {
+      if (s.reached_by != kNone) left.push_back(c);
+    } else if (s.reached_by == kNone) {
+      queue_.push_back(c);
+    } else if (!leads(beside(c, s.reached_by), c, r_ * stride(s.reached_by))) {
+      left.push_back(c);
+    }
+  };
+  const auto check_around = [&](Cell c) {
+    check(c);
+    for (int d = 0; d < 8; ++d) {
+      if (find(beside(c, d)) != nullptr) check(beside(c, d));
+    }
+  };
+  for (const Cell c : moved_) check_around(c);
+  for (const Cell c : shut) check_around(c);
+  while (!left.empty()) {
+    const Cell c = left.back();
+    left.pop_back();
+    Spot& s = *find(c);
+    if (s.reached_by == kNone) continue;
+    s.reached_by = kNone;
+    reached_.push_back(c);
+    queue_.push_back(c);
+    for (int d = 0; d < 8; ++d) {
+      const Spot* other = find(beside(c, d));
+      if (other != nullptr && other->reached_by == (d + 4) % 8) left.push_back(beside(c, d));
+    }
+  }
+  for (std::size_t next = 0; next < queue_.size(); ++next) {
+    const Cell c = queue_[next];
+    Spot& s = *find(c);
+    if (s.joined_to == kFlat || s.reached_by != kNone || std::isnan(s.height)) continue;
+    for (int d = 0; d < 8 && s.reached_by == kNone; ++d) {
+      if (!std::isnan(ground(beside(c, d))) && leads(beside(c, d), c, r_ * stride(d))) {
+        s.reached_by = static_cast<std::uint8_t>(d);
       }
     }
+    if (s.reached_by == kNone) continue;
+    reached_.push_back(c);
+    for (int d = 0; d < 8; ++d) {
+      const Spot* other = find(beside(c, d));
+      if (other != nullptr && !is_reached(*other)) queue_.push_back(beside(c, d));
+    }
+  }
+  queue_.clear();
+}
+
+// Levels and closed cells, of what has moved and of what is near.
+void FloorJoin::judge() {
+  changed_.clear();
+  if (moved_.empty()) return;
+  std::vector<Cell> listed, shut;
+  const auto note = [&](Cell c) {
+    Spot* s = find(c);
+    if (s == nullptr || s->noted == list_) return;
+    s->noted = list_;
+    listed.push_back(c);
+  };
+  const auto note_square = [&](Cell c, int reach) {
+    for (int j = -reach; j <= reach; ++j) {
+      for (int i = -reach; i <= reach; ++i) note({c.i + i, c.j + j});
+    }
+  };
+  const auto level = [&](Cell c) {
+    Spot& s = *find(c);
+    const auto now = static_cast<std::int16_t>(level_of(c, s));
+    s.own = !std::isnan(s.height);
+    if (now == s.level) return;
+    s.level = now;
+    changed_.push_back(c);
+  };
+  ++list_;
+  for (const Cell c : moved_) {
+    note_square(c, 2);
+    for (int d = 0; d < 8; ++d) {
+      for (int steps = 3; steps <= reach_; ++steps) note(beside(c, d, steps));
+    }
+  }
+  for (const Cell c : listed) {
+    const float z = ground(c);
+    Spot& s = *find(c);
+    const bool closed = s.low || is_edge(c, s) || (!std::isnan(z) && is_steep(c));
+    if (closed == s.closed) continue;
+    s.closed = closed;
+    shut.push_back(c);
+  }
+  reach(shut);
+  // What has ground first: others have its level.
+  ++list_;
+  listed.clear();
+  for (const Cell c : moved_) note(c);
+  for (const Cell c : reached_) note(c);
+  for (const Cell c : listed) level(c);
+  const std::size_t own = listed.size();
+  for (const Cell c : moved_) note_square(c, kSpread);
+  for (const Cell c : reached_) note_square(c, kSpread);
+  for (const Cell c : shut) note_square(c, kSpread);
+  for (std::size_t n = own; n < listed.size(); ++n) {
+    if (std::isnan(ground(listed[n])) && !find(listed[n])->low) level(listed[n]);
+  }
+  ++list_;
+  for (const Cell c : changed_) find(c)->noted = list_;
+  for (const Cell c : shut) {
+    if (find(c)->noted != list_) changed_.push_back(c);
   }
 }
 
-void FloorJoin::spread() {
-  const GridFrame& f = level_.frame;
-  std::vector<char> known(level_.data.size(), 0);
-  for (const int n : order_) known[static_cast<std::size_t>(n)] = 1;
-  for (std::size_t next = 0; next < order_.size(); ++next) {
-    const Cell c = f.at(order_[next]);
-    for (const Cell d : kAround) {
-      const Cell to{c.i + d.i, c.j + d.j};
-      if (!f.contains(to)) continue;
-      const auto at = static_cast<std::size_t>(f.index(to));
-      if (known[at]) continue;
-      known[at] = 1;
-      level_.data[at] = level_[c];
-      order_.push_back(static_cast<int>(at));
-    }
-  }
+void FloorJoin::look(const std::vector<Cell>& cells, const Surfaces& surfaces) {
+  surfaces_ = &surfaces;
+  moved_.clear();
+  queue_.clear();
+  for (const Cell c : cells) review(c);
+  grow();
+  judge();
+  surfaces_ = nullptr;
 }
 
 }  // namespace prospect

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <memory>
+#include <unordered_map>
 #include <vector>
 
 #include "engine/maps/grid.h"
@@ -15,8 +17,9 @@ namespace prospect {
 /// The steepest ramp that is ground [m a metre]: 8 degrees.
 inline constexpr double kSteepest = 0.1405408;
 
-/// [m] by which a ramp is uneven, or is seen to be; our choice.
-inline constexpr double kUneven = 0.02;
+/// [m] by which a ramp is uneven, or is seen to be: over a metre half of what tells 8 degrees from
+/// 12. Our choice.
+inline constexpr double kUneven = 0.03;
 
 /// Whether floors join that lie `rise` [m] apart in height and `way` [m] on the ground: by no more
 /// than a step, or than the steepest ramp rises on that way.
@@ -26,52 +29,119 @@ constexpr bool joins(double rise, double way, double step) {
 
 /// A surface on which something may stand, with room above.
 struct FloorSurface {
-  int k = 0;       ///< its layer of voxels
-  double z = 0.0;  ///< [m] its top
+  int k = 0;          ///< its layer of voxels
+  double z = 0.0;     ///< [m] its top
+  bool sure = false;  ///< that it is level, and not the foot of what stands there
 };
 
-/// Which surfaces are the floor: what joins without a step.
+/// The height h of the ground, cell by cell, where the floor is not flat.
 ///
-/// Floor begins at all surfaces in the layers k_first <= k <= k_stand, those of z = 0 that no body
-/// sweeps, and grows from cell to cell of eight neighbours: a cell without a floor takes the
-/// surface that joins() a neighbour's, of several the nearest in height. So of two storeys over
-/// each other the one is floor that begins it, and a table is none. Cells that no floor reaches
-/// have the level of the nearest that one does.
+///   flat     a cell with a surface below the body's layers and h <= step: as it is on a flat
+///            floor, whatever is around it;
+///   raised   one without, of whose surfaces one joins() the ground of one of eight neighbours; of
+///            several that which is nearest in height. Below the body's layers only if it is sure;
+///   none     all others. A table is none, and of two storeys over each other the one is ground
+///            that joins.
+/// Ground grows from the flat floor over raised cells, each of which remembers the neighbour that
+/// it joins: where that goes, so does what grew from it, unless it joins another one.
 ///
-/// A cell is closed whose floor does not join that of a cell at most kBaseline away along one of
-/// eight directions, and lies higher; with it those between, which join each other. That holds
-/// edges, thresholds that are too high, and ramps that are too steep, from their foot on.
+/// Level L: by how many layers a column is let down, so that its floor lies where a flat one does.
+///   flat  L = 0;   raised  L = floor((h + kAbove) / r): what is met up to kAbove over the floor is
+///   floor;   none  that of the nearest ground within kSpread cells, else 0.
 ///
-/// Levels tell by how many layers a column is to be let down so that its floor lies where a flat
-/// floor does, at k_stand or below: see OccupancyMapper.
-/// O(cells). Deterministic. Thread-safety: as a value.
+/// Closed is
+///   low    a sure surface higher than the step, below the body's layers, that joins nothing;
+///   edge   a cell whose ground lies higher than a neighbour's and does not join it; one without
+///          ground between two such within two cells of it;
+///   steep  a cell on a line of joined ground, along one of eight directions and at most kBaseline
+///          long, whose ends do not join; if the ground slopes there, too.
+///
+/// Reached is flat ground, and raised ground that joins a neighbour's which is reached and not
+/// closed. What is not, as a platform over a ramp that is too steep, is a thing like any other.
+///
+/// Level L: by how many layers a column is let down, so that its floor lies where a flat one does.
+///   flat  L = 0;   raised and reached  L = floor((h + kAbove) / r): what is met up to kAbove over
+///   the floor is floor;   none  that of the nearest ground within kSpread cells that is reached
+///   and not closed;   else 0.
+///
+/// Only what has changed is looked at: the cost of look() is that of the cells whose ground has
+/// moved by kSettled or more, and of those near them. A flat floor costs nothing but its
+/// candidates. Deterministic; where several grounds could be joined the order of the looks decides.
+/// Thread-safety: as a value.
 class FloorJoin {
  public:
   static constexpr double kBaseline = 1.0;  ///< [m]; our choice
+  static constexpr double kAbove = 0.03;    ///< [m]; our choice: three sigma of a height
+  static constexpr double kSettled = 0.01;  ///< [m]; our choice
+  static constexpr int kSpread = 5;         ///< [cells]; our choice
 
   /// Calls back with the surfaces of a cell, appended in any order.
   using Surfaces = std::function<void(Cell, std::vector<FloorSurface>&)>;
 
-  /// k_stand: the highest layer at z = 0 that no body sweeps, -1 or 0. step [m].
-  FloorJoin(const GridFrame& frame, int k_stand, double step, const Surfaces& surfaces);
+  /// k_body: the lowest layer that a body sweeps on a flat floor, 0 or more. step [m].
+  FloorJoin(double resolution, int k_body, double step);
 
-  const GridFrame& frame() const { return level_.frame; }
-  /// NaN: none is known.
-  float height(Cell c) const { return height_.get(c, std::numeric_limits<float>::quiet_NaN()); }
-  int level(Cell c) const { return level_.get(c, 0); }
-  bool closed(Cell c) const { return closed_.get(c, 0) != 0; }
+  /// Looks at cells whose surfaces may have changed, and at what depends on them.
+  void look(const std::vector<Cell>& cells, const Surfaces& surfaces);
+  /// Whose level, or being closed, is another one since the last look. No cell twice.
+  const std::vector<Cell>& changed() const { return changed_; }
+
+  /// Nothing is raised or closed anywhere.
+  bool is_flat() const { return tiles_.empty(); }
+  /// Whether the cell is near what is not flat: what changes in it is to be looked at.
+  bool is_near(Cell c) const { return find(c) != nullptr; }
+  /// [m] NaN: none is known, or it is far from what is not flat.
+  float height(Cell c) const;
+  int level(Cell c) const;
+  bool closed(Cell c) const;
+  /// [m] no ground was ever higher.
+  double highest() const { return highest_; }
+  /// [m] no ground of a cell lies farther than that above all of its neighbours'.
+  double most_rise() const;
 
  private:
-  void grow(const std::vector<std::size_t>& first, const std::vector<FloorSurface>& all,
-            int k_stand);
-  void spread();
-  void close();
+  static constexpr int kTile = 16;
+  static constexpr std::uint8_t kFlat = 8, kNone = 9;  // instead of a direction
 
-  double step_;
-  Grid<float> height_;
-  Grid<std::int16_t> level_;
-  Grid<std::uint8_t> closed_;
-  std::vector<int> order_;  // cells with floor, as it grew
+  struct Spot {
+    float height = std::numeric_limits<float>::quiet_NaN();
+    std::int16_t level = 0;
+    std::uint8_t joined_to = kNone;   // the direction of the neighbour
+    std::uint8_t reached_by = kNone;  // the same
+    bool looked = false, low = false, closed = false;
+    bool own = false;         // the level is that of its own ground
+    std::uint32_t noted = 0;  // the newest list that holds it
+  };
+  using Tile = std::array<Spot, kTile * kTile>;
+
+  Tile* tile(Cell c) const;
+  Spot* find(Cell c) const;
+  Spot& spot(Cell c);
+  float ground(Cell c);
+  const FloorSurface* flat_of(const std::vector<FloorSurface>& found) const;
+  const FloorSurface* joining(const std::vector<FloorSurface>& found, double from,
+                              double way) const;
+  void set_ground(Cell c, Spot& s, double z, std::uint8_t joined_to);
+  void review(Cell c);
+  void let_go(Cell c);
+  void grow();
+  void close_low(Cell c);
+  int level_of(Cell c, const Spot& s);
+  bool is_edge(Cell c, const Spot& s);
+  bool is_steep(Cell c);
+  bool is_reached(const Spot& s) const { return s.joined_to == kFlat || s.reached_by != kNone; }
+  void reach(const std::vector<Cell>& shut);
+  void judge();
+
+  double r_, step_, highest_;
+  int k_body_, reach_;  // reach: of the baseline [cells]
+  const Surfaces* surfaces_ = nullptr;
+  std::unordered_map<std::uint64_t, std::unique_ptr<Tile>> tiles_;
+  mutable std::uint64_t newest_at_ = 0;  // the tile that was asked for last
+  mutable Tile* newest_ = nullptr;
+  std::uint32_t list_ = 0;
+  std::vector<Cell> queue_, moved_, reached_, changed_;
+  std::vector<FloorSurface> found_, beside_;
 };
 
 }  // namespace prospect

@@ -21,15 +21,18 @@ MapEvidence::Hit& hit_of(MapEvidence::Brick& brick, int voxel) {
       brick.hits.begin(), brick.hits.end(), voxel,
       [](const MapEvidence::Hit& h, int v) { return static_cast<int>(h.voxel) < v; });
   if (at != brick.hits.end() && at->voxel == voxel) return *at;
-  return *brick.hits.insert(at, {static_cast<std::uint16_t>(voxel), 0, Eigen::Vector3f::Zero()});
+  return *brick.hits.insert(at, {static_cast<std::uint16_t>(voxel)});
 }
 
 /// The mean of two sets of points; of very many the newest go on counting.
-void merge(MapEvidence::Hit& hit, const Eigen::Vector3f& mean, int count) {
+void merge(MapEvidence::Hit& hit, const Eigen::Vector3f& mean, float spread, int count) {
   constexpr int kMost = 1000;
   const int before = std::min<int>(hit.count, kMost);
   const int all = before + count;
-  hit.mean += static_cast<float>(count) / static_cast<float>(all) * (mean - hit.mean);
+  const float share = static_cast<float>(count) / static_cast<float>(all);
+  const float higher = mean.z() - hit.mean.z();
+  hit.spread += share * (spread - hit.spread + (1.0F - share) * higher * higher);
+  hit.mean += share * (mean - hit.mean);
   hit.count = static_cast<std::uint16_t>(std::min(all, kMost));
 }
 
@@ -56,7 +59,7 @@ void MapEvidence::add_hit(const Eigen::Vector3d& point, int i, int j, int k) {
   const Address at{brick_of(i), brick_of(j), brick_of(k)};
   const Eigen::Vector3d corner(at[0] * kEdge, at[1] * kEdge, at[2] * kEdge);
   const int v = voxel(i - at[0] * kEdge, j - at[1] * kEdge, k - at[2] * kEdge);
-  merge(hit_of(bricks_[at], v), (point - corner).cast<float>(), 1);
+  merge(hit_of(bricks_[at], v), (point - corner).cast<float>(), 0.0F, 1);
 }
 
 MapEvidence MapEvidence::moved(const PlanarMove& move, double r, const EvidenceTable& table) const {
@@ -122,7 +125,7 @@ MapEvidence MapEvidence::moved(const PlanarMove& move, double r, const EvidenceT
       const bool first = !table.is_surface(now);
       if (first || table.of_unknown(s) > table.of_unknown(now)) now = s;
       const Eigen::Vector3d corner_there(there[0] * kEdge, there[1] * kEdge, there[2] * kEdge);
-      merge(hit_of(b, v), (p - corner_there).cast<float>(), hit.count);
+      merge(hit_of(b, v), (p - corner_there).cast<float>(), hit.spread, hit.count);
     }
   }
   return to;
@@ -148,7 +151,8 @@ void MapEvidence::append(const MapEvidence& later, EvidenceTable& table) {
         brick.states[v] = table.sequence(brick.states[v], more.states[v]);
       }
     }
-    for (const Hit& hit : more.hits) merge(hit_of(brick, hit.voxel), hit.mean, hit.count);
+    for (const Hit& hit : more.hits)
+      merge(hit_of(brick, hit.voxel), hit.mean, hit.spread, hit.count);
   }
 }
 

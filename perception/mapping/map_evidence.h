@@ -15,7 +15,7 @@ namespace prospect {
 
 /// What some scans say of the voxels of a lattice (EvidenceTable), and where in the voxels that
 /// were hit the surface lies: the mean of the points that hit it. Memory: 1 kB for 8 x 8 x 8
-/// voxels, and 16 bytes for each that was hit.
+/// voxels, and 20 bytes for each that was hit.
 ///
 /// Thread-safety: as a value. Deterministic.
 class MapEvidence {
@@ -28,6 +28,7 @@ class MapEvidence {
   struct Hit {
     std::uint16_t voxel = 0, count = 0;
     Eigen::Vector3f mean = Eigen::Vector3f::Zero();  ///< [voxels], of the brick
+    float spread = 0.0F;                             ///< variance of their heights [voxels^2]
   };
   struct Brick {
     std::array<State, kVoxels> states{};

@@ -16,7 +16,7 @@
 #include <unordered_map>
 #include <utility>
 
-#include "engine/maps/known_extent.h"
+#include "engine/maps/levelled_octree.h"
 #include "models/knobs.h"
 #include "models/parameter_check.h"
 #include "perception/mapping/evidence_table.h"
@@ -50,6 +50,21 @@ std::uint64_t spread_wide(std::uint64_t v) {
   return m;
 }
 
+// Of the points that hit a voxel, of the newest the more: heights over the voxel's bottom [m].
+struct Heights {
+  float count = 0.0F, mean = 0.0F, square = 0.0F;  // mean square about the mean
+
+  void add(const Heights& more) {
+    constexpr float kMost = 100.0F;  // of points before: our choice
+    const float before = std::min(count, kMost), all = before + more.count;
+    if (!(all > 0.0F)) return;
+    const float share = more.count / all, off = more.mean - mean;
+    mean += share * off;
+    square += share * (more.square - square + (1.0F - share) * off * off);
+    count = all;
+  }
+};
+
 struct Brick {
   float log_odds[kBrickVoxels] = {};
   std::uint64_t known[kBrick] = {};            // bit sets over the voxels
@@ -58,7 +73,7 @@ struct Brick {
   bool dirty[kMirrors] = {};                   // some bit of stale is set, and the mirror lists it
   int bx = 0, by = 0, bz = 0;                  // address / 8
   std::uint64_t order = 0;                     // Morton order of bricks
-  std::vector<float> tops;  // [m] of surfaces at z = 0 or above; 0: not measured. Empty: none is
+  std::vector<Heights> heights;                // of what was met at z = 0 or above; empty: nothing
 };
 
 struct Columns {  // of an 8 x 8 square of ground cells: counts over layers, of the slice's
@@ -199,7 +214,7 @@ struct OccupancyMapper::Impl {
   EvidenceTable* table = nullptr;
 
   struct Mirror {
-    std::shared_ptr<octomap::OcTree> octree;
+    std::shared_ptr<LevelledOcTree> octree;
     std::shared_ptr<VoxelGrid> voxels;
     std::vector<std::uint32_t> dirty;
   };
@@ -220,11 +235,11 @@ struct OccupancyMapper::Impl {
   Walk abreast[kAbreast];   // the first `walks` of them are to be marked yet
   int walks = 0;
   std::vector<Eigen::Vector3d> below_floor;  // ends of rays that went on through the floor's plane
-  std::vector<float> tops;  // [m] of what is met in the marked voxels, where it lies above z = 0
+  std::vector<Heights> met;                  // in the marked voxels; `square` is a sum of squares
 
-  // The floor where it is not flat; null: it is flat.
-  std::unique_ptr<const FloorJoin> joined;
-  std::vector<Cell> low_surfaces;        // where something low was met since it was last looked for
+  // Where the floor is not flat; null: it is taken for flat.
+  std::unique_ptr<FloorJoin> floor;
+  std::vector<Cell> low;                 // where what may be floor was met since it was looked for
   std::vector<Cell> levelled[kMirrors];  // columns that the mirror has at another level
 
   explicit Impl(const OccupancyMapperOptions& o);
@@ -252,16 +267,17 @@ struct OccupancyMapper::Impl {
   bool is_floor(int k) const { return has_floor && k >= slice.floor.k_floor && k < 0; }
   /// Deeper than what the robot drives down.
   bool is_below_floor(double z) const { return has_floor && z < -options.slice.step; }
-  int k_stand() const { return slice.k_low > 0 ? 0 : -1; }
-  int level(Cell c) const { return joined ? joined->level(c) : 0; }
+  int level(Cell c) const { return floor ? floor->level(c) : 0; }
   const Brick* find_brick(int i, int j, int k) const;
+  bool is_occupied(const Brick& b, int m) const {
+    return ((b.known[m >> 6] >> (m & 63)) & 1U) != 0 && b.log_odds[m] >= threshold;
+  }
   CellState state(int i, int j, int k) const;
-  double top(int i, int j, int k) const;
-  void note_top(Brick& b, int m, int k, float z, float share);
+  void note_heights(Brick& b, int m, int k, const Heights& more);
   void surfaces(Cell c, std::vector<FloorSurface>& found) const;
-  /// Whether something low was met that is no flat floor.
-  bool is_rough(Cell c) const;
-  void join_floor(std::vector<GroundChange>& changes);
+  bool is_foot(Cell c, int k) const;
+  void look_at_floor(std::vector<GroundChange>& changes);
+  void note_change(Cell c, std::vector<GroundChange>& changes) const;
   void write_column(VoxelGrid& voxels, Cell c) const;
   void apply_marks();
 
@@ -287,7 +303,7 @@ OccupancyMapper::Impl::Impl(const OccupancyMapperOptions& o) : options(o) {
 
   const GridFrame frame{o.resolution, 0, 0, 1, 1};
   mirror[0].voxels = std::make_shared<VoxelGrid>(frame, o.z_min, o.z_max);
-  mirror[0].octree = std::make_shared<octomap::OcTree>(o.resolution);
+  mirror[0].octree = std::make_shared<LevelledOcTree>(o.resolution);
   mirror[0].octree->setProbHit(o.probability_hit);
   mirror[0].octree->setProbMiss(o.probability_miss);
   mirror[0].octree->setClampingThresMin(o.probability_min);
@@ -298,6 +314,9 @@ OccupancyMapper::Impl::Impl(const OccupancyMapperOptions& o) : options(o) {
   k_low = mirror[0].voxels->k0();
   k_end = k_low + mirror[0].voxels->depth();
   has_floor = slice.floor.k_floor >= k_low;
+  if (o.slopes && has_floor) {
+    floor = std::make_unique<FloorJoin>(o.resolution, slice.floor.k_body, o.slice.step);
+  }
 }
 
 Brick& OccupancyMapper::Impl::brick(int bx, int by, int bz) {
@@ -356,7 +375,8 @@ void OccupancyMapper::Impl::set_value(Brick& b, std::uint32_t index, int m, std:
   const int k = b.bz * kBrick + compact(m >> 2);
   const bool in_slice = k >= slice.k_low && k <= slice.k_high;
   const bool is_support = k >= slice.floor.k_floor && k < slice.floor.k_body;
-  if (!in_slice && !is_support && k != slice.k_sight) return;
+  const bool counts = in_slice || is_support || k == slice.k_sight;
+  if (!counts && (!floor || floor->is_flat())) return;
   Columns& c = *columns[column];
   const int cell = compact(m) + kBrick * compact(m >> 1);
   if (in_slice) {
@@ -399,43 +419,48 @@ CellState OccupancyMapper::Impl::state(int i, int j, int k) const {
   return b->log_odds[m] >= threshold ? CellState::kOccupied : CellState::kFree;
 }
 
-// Of what was not measured the middle of the voxel; the floor below z = 0 ends there.
-double OccupancyMapper::Impl::top(int i, int j, int k) const {
-  if (k < 0) return 0.0;
-  const Brick* b = find_brick(i, j, k);
-  const int m = morton(i & 7, j & 7, k & 7);
-  const bool measured =
-      b != nullptr && !b->tops.empty() && b->tops[static_cast<std::size_t>(m)] > 0.0F;
-  return measured ? b->tops[static_cast<std::size_t>(m)] : (k + 0.5) * options.resolution;
-}
-
-void OccupancyMapper::Impl::note_top(Brick& b, int m, int k, float z, float share) {
-  if (!options.slopes || k < 0 || !(z > 0.0F)) return;
-  if (b.tops.empty()) b.tops.assign(kBrickVoxels, 0.0F);
-  float& known = b.tops[static_cast<std::size_t>(m)];
-  known = known > 0.0F ? known + share * (z - known) : z;
-  if (k == 0 && has_floor && !joined && known > options.slice.step) {
-    low_surfaces.push_back({b.bx * kBrick + compact(m), b.by * kBrick + compact(m >> 1)});
+void OccupancyMapper::Impl::note_heights(Brick& b, int m, int k, const Heights& more) {
+  // What lies higher joins nothing.
+  if (!floor || k < 0 || k * options.resolution > floor->highest() + FloorJoin::kBaseline) return;
+  if (b.heights.empty()) b.heights.resize(kBrickVoxels);
+  Heights& h = b.heights[static_cast<std::size_t>(m)];
+  h.add(more);
+  const double z = k * options.resolution + static_cast<double>(h.mean);
+  if (k < slice.floor.k_body ? z > options.slice.step
+                             : z <= floor->highest() + floor->most_rise()) {
+    low.push_back({b.bx * kBrick + compact(m), b.by * kBrick + compact(m >> 1)});
   }
 }
 
-// What the floor of a column may be: surfaces from the flat floor's layer on over which there is
-// room for the body, and nothing is unknown at its feet.
+// What the floor of a column may be: what was met from the flat floor's layers on, with room for
+// the body over it, and nothing unknown at its feet.
 void OccupancyMapper::Impl::surfaces(Cell c, std::vector<FloorSurface>& found) const {
-  const int room = slice.k_high - k_stand();
+  const double r = options.resolution;
+  const int room = slice.k_high - (slice.floor.k_body - 1);
+  const int highest = static_cast<int>((floor->highest() + floor->most_rise()) / r) + 1;
+  int k = std::min(k_end - 1, highest + room);
   int occupied_above = k_end + room;  // the lowest
   CellState above = CellState::kUnknown;
-  const Brick* b = nullptr;
-  for (int k = k_end - 1; k >= -1; --k) {
-    if (k == k_end - 1 || (k & 7) == 7) b = find_brick(c.i, c.j, k);
+  const Brick* b = find_brick(c.i, c.j, k);
+  for (; k >= slice.floor.k_floor; --k) {
+    if ((k & 7) == 7) b = find_brick(c.i, c.j, k);
     const int m = morton(c.i & 7, c.j & 7, k & 7);
     const bool known = b != nullptr && ((b->known[m >> 6] >> (m & 63)) & 1U) != 0;
     const CellState here = !known                        ? CellState::kUnknown
                            : b->log_odds[m] >= threshold ? CellState::kOccupied
                                                          : CellState::kFree;
     if (here == CellState::kOccupied) {
-      if (above == CellState::kFree && occupied_above > k + room) {
-        found.push_back({k, top(c.i, c.j, k)});
+      const bool stands = above == CellState::kFree && occupied_above > k + room && k <= highest;
+      const Heights* h = b->heights.empty() ? nullptr : &b->heights[static_cast<std::size_t>(m)];
+      if (stands && k < 0) {
+        found.push_back({k, 0.0, true});
+      } else if (stands && h != nullptr && h->count > 0.0F) {
+        // Faces are met all over the height of a voxel, floors at theirs.
+        constexpr double kFace = 0.15, kLeast = 5.0;  // [voxels], [points]: our choice
+        const double z = k * r + static_cast<double>(h->mean);
+        const bool is_level = h->count >= kLeast && h->square <= kFace * r * kFace * r;
+        const bool is_low = k < slice.floor.k_body && z > options.slice.step;
+        found.push_back({k, z, is_level && !(is_low && is_foot(c, k))});
       }
       occupied_above = k;
     }
@@ -443,59 +468,56 @@ void OccupancyMapper::Impl::surfaces(Cell c, std::vector<FloorSurface>& found) c
   }
 }
 
-bool OccupancyMapper::Impl::is_rough(Cell c) const {
-  std::vector<FloorSurface> found;
-  surfaces(c, found);
-  if (std::none_of(found.begin(), found.end(), [this](const FloorSurface& s) {
-        return s.k == 0 && s.z > options.slice.step;
-      })) {
-    return false;
-  }
+// Whether something taller stands beside: the noise of its foot is low, too.
+bool OccupancyMapper::Impl::is_foot(Cell c, int k) const {
   for (int dj = -1; dj <= 1; ++dj) {
     for (int di = -1; di <= 1; ++di) {
-      if (state(c.i + di, c.j + dj, -1) == CellState::kOccupied) return true;
+      for (int up = 2; up <= slice.k_high + 1 - k; ++up) {
+        if (state(c.i + di, c.j + dj, k + up) == CellState::kOccupied) return true;
+      }
     }
   }
   return false;
 }
 
-// Looks for the floor anew, and for all cells that it raises or closes, now or before.
-void OccupancyMapper::Impl::join_floor(std::vector<GroundChange>& changes) {
-  KnownExtent extent;
-  for (const auto& block : columns) {
-    const int i = block->bx * kBrick, j = block->by * kBrick;
-    extent.add(i, j, i + kBrick - 1, j + kBrick - 1);
+// Notes what a column is over a floor that is raised or closed there.
+void OccupancyMapper::Impl::note_change(Cell c, std::vector<GroundChange>& changes) const {
+  const int up = level(c);
+  int occupied = 0, free = 0, support = 0, free_below = 0;
+  for (int k = std::min(slice.k_low, slice.floor.k_floor);
+       k <= std::max(slice.k_high, slice.floor.k_body - 1); ++k) {
+    const CellState s = state(c.i, c.j, k + up);
+    const bool in_slice = k >= slice.k_low && k <= slice.k_high;
+    const bool is_support = k >= slice.floor.k_floor && k < slice.floor.k_body;
+    occupied += in_slice && s == CellState::kOccupied;
+    free += in_slice && s == CellState::kFree;
+    support += is_support && s == CellState::kOccupied;
+    free_below += is_support && k < 0 && s == CellState::kFree;
   }
-  auto found = std::make_unique<const FloorJoin>(
-      extent.frame(options.resolution), k_stand(), options.slice.step,
-      [this](Cell c, std::vector<FloorSurface>& there) { surfaces(c, there); });
-  const std::unique_ptr<const FloorJoin> before = std::exchange(joined, std::move(found));
-  for (int n = 0; n < joined->frame().size(); ++n) {
-    const Cell c = joined->frame().at(n);
-    const int was = before ? before->level(c) : 0, now = joined->level(c);
-    if (was != now) {
-      for (std::vector<Cell>& list : levelled) list.push_back(c);
+  const FloorState under = floor_state(support, free_below, -slice.floor.k_floor);
+  const CellState now =
+      floor->closed(c) ? CellState::kOccupied : project_column(occupied, free, under);
+  const bool sight = see_through(now, slice.k_sight ? state(c.i, c.j, *slice.k_sight + up) : now);
+  const GroundMap& known = *ground[ground_current].map;
+  if (known.state(c) != now || known.see_through(c) != sight) changes.push_back({c, now, sight});
+}
+
+void OccupancyMapper::Impl::look_at_floor(std::vector<GroundChange>& changes) {
+  if (!floor->is_flat()) {
+    for (const auto& [block, cell] : changed_cells) {
+      const Columns& b = *columns[block];
+      const Cell c{b.bx * kBrick + cell % kBrick, b.by * kBrick + cell / kBrick};
+      if (floor->is_near(c)) low.push_back(c);
     }
-    const bool shut = joined->closed(c);
-    if (was == 0 && now == 0 && !shut && !(before && before->closed(c))) continue;
-    int occupied = 0, free = 0, support = 0, free_below = 0;
-    for (int k = std::min(slice.k_low, slice.floor.k_floor);
-         k <= std::max(slice.k_high, slice.floor.k_body - 1); ++k) {
-      const CellState s = state(c.i, c.j, k + now);
-      const bool in_slice = k >= slice.k_low && k <= slice.k_high;
-      const bool is_support = k >= slice.floor.k_floor && k < slice.floor.k_body;
-      occupied += in_slice && s == CellState::kOccupied;
-      free += in_slice && s == CellState::kFree;
-      support += is_support && s == CellState::kOccupied;
-      free_below += is_support && k < 0 && s == CellState::kFree;
-    }
-    const FloorState under = floor_state(support, free_below, -slice.floor.k_floor);
-    const CellState state_now = shut ? CellState::kOccupied : project_column(occupied, free, under);
-    const bool sight =
-        see_through(state_now, slice.k_sight ? state(c.i, c.j, *slice.k_sight + now) : state_now);
-    const GroundMap& known = *ground[ground_current].map;
-    if (known.state(c) == state_now && known.see_through(c) == sight) continue;
-    changes.push_back({c, state_now, sight});
+  }
+  if (low.empty()) return;
+  std::sort(low.begin(), low.end(), scan_less);
+  low.erase(std::unique(low.begin(), low.end()), low.end());
+  floor->look(low, [this](Cell c, std::vector<FloorSurface>& found) { surfaces(c, found); });
+  low.clear();
+  for (const Cell c : floor->changed()) {
+    for (std::vector<Cell>& list : levelled) list.push_back(c);
+    note_change(c, changes);
   }
 }
 
@@ -509,19 +531,19 @@ void OccupancyMapper::Impl::write_column(VoxelGrid& voxels, Cell c) const {
 
 void OccupancyMapper::Impl::flush_ground() {
   std::vector<GroundChange> changes;
-  const bool rough = joined || std::any_of(low_surfaces.begin(), low_surfaces.end(),
-                                           [this](Cell c) { return is_rough(c); });
-  low_surfaces.clear();
-  if (rough) join_floor(changes);
+  if (floor) look_at_floor(changes);
   const GroundMap& now = *ground[ground_current].map;
   for (const auto& [block, cell] : changed_cells) {
     Columns& c = *columns[block];
     c.changed[cell] = false;
     const Cell address{c.bx * kBrick + cell % kBrick, c.by * kBrick + cell / kBrick};
-    const FloorState floor = floor_state(c.floor[cell], c.free_below[cell], -slice.floor.k_floor);
-    const CellState state = project_column(c.occupied[cell], c.free[cell], floor);
+    const FloorState under = floor_state(c.floor[cell], c.free_below[cell], -slice.floor.k_floor);
+    const CellState state = project_column(c.occupied[cell], c.free[cell], under);
     const bool sight = see_through(state, slice.k_sight ? c.sight[cell] : state);
-    if (level(address) != 0 || (joined && joined->closed(address))) continue;
+    if (floor && (floor->level(address) != 0 || floor->closed(address))) {
+      note_change(address, changes);
+      continue;
+    }
     if (now.state(address) == state && now.see_through(address) == sight) continue;
     changes.push_back({address, state, sight});
   }
@@ -676,8 +698,16 @@ void OccupancyMapper::Impl::mark_floor(const Eigen::Vector3d& from) {
 }
 
 void OccupancyMapper::Impl::apply_marks() {
+  int up[kBrick * kBrick] = {};        // levels of the columns
+  bool through[kBrick * kBrick] = {};  // went a ray on through the layers of the floor?
   for (int x = 0; x < size[0]; x += kBrick) {
     for (int y = 0; y < size[1]; y += kBrick) {
+      if (floor && !floor->is_flat()) {
+        for (int cell = 0; cell < kBrick * kBrick; ++cell) {
+          up[cell] = level({box[0] + x + cell % kBrick, box[1] + y + cell / kBrick});
+          through[cell] = false;
+        }
+      }
       for (int z = 0; z < size[2]; z += kBrick) {
         Brick* b = nullptr;
         MapEvidence::Brick* written = nullptr;
@@ -714,10 +744,24 @@ void OccupancyMapper::Impl::apply_marks() {
                 if (run[dz] == 0) continue;
               }
               const int m = morton(dx, dy, dz);
-              if ((run[dz] & kEndedIn) != 0) {
-                constexpr float kShare = 0.25F;  // of the newest look: our choice
-                note_top(*b, m, k, std::exchange(tops[first + static_cast<std::size_t>(dz)], 0.0F),
-                         kShare);
+              if (floor && (run[dz] & kEndedIn) != 0) {
+                Heights here = std::exchange(met[first + static_cast<std::size_t>(dz)], {});
+                if (here.count > 0.0F) {
+                  here.mean /= here.count;
+                  here.square = std::max(0.0F, here.square / here.count - here.mean * here.mean);
+                  note_heights(*b, m, k, here);
+                }
+              }
+              const int cell = dx + kBrick * dy;
+              if (up[cell] > 0) {
+                // Over a raised floor, too, a ray says something of the floor only if it ends in
+                // its layers, or goes on through them.
+                const int flat = k - up[cell];
+                if (flat == slice.floor.k_floor - 1) through[cell] = (run[dz] & kPassed) != 0;
+                if (flat >= slice.floor.k_floor && flat < slice.floor.k_body && !through[cell] &&
+                    (run[dz] & kEndedIn) == 0 && is_occupied(*b, m)) {
+                  continue;
+                }
               }
               if (written != nullptr) {
                 EvidenceTable::State& s =
@@ -759,7 +803,7 @@ void OccupancyMapper::Impl::sync() {
       next = unmade >= 0 ? unmade : (current + 1) % kMirrors;
       Mirror& to = mirror[next];
       const Mirror& from = mirror[current];
-      to.octree = std::make_shared<octomap::OcTree>(*from.octree);
+      to.octree = std::make_shared<LevelledOcTree>(*from.octree);
       to.voxels = std::make_shared<VoxelGrid>(*from.voxels);
       for (const std::uint32_t index : to.dirty) {
         Brick& b = *bricks[index];
@@ -797,7 +841,10 @@ void OccupancyMapper::Impl::replay(int which) {
       }
     }
   }
-  for (const Cell c : levelled[which]) write_column(voxels, c);
+  for (const Cell c : levelled[which]) {
+    write_column(voxels, c);
+    m.octree->set_level(c, level(c));
+  }
   levelled[which].clear();
   replay_octree(*m.octree, which, m.dirty);
   for (const std::uint32_t index : m.dirty) {
@@ -913,11 +960,12 @@ void OccupancyMapper::enter(const MapEvidence& evidence, const EvidenceTable& ta
     }
     for (const MapEvidence::Hit& hit : said.hits) {
       const int z = hit.voxel % kBrick;
-      if (k + z < std::max(m.k_low, 0) || k + z >= m.k_end) continue;
-      const auto top =
-          static_cast<float>(m.options.resolution) * (static_cast<float>(k) + hit.mean.z());
-      m.note_top(b, morton(hit.voxel / (kBrick * kBrick), hit.voxel / kBrick % kBrick, z), k + z,
-                 top, 0.5F);
+      if (k + z < m.k_low || k + z >= m.k_end) continue;
+      const auto r = static_cast<float>(m.options.resolution);
+      m.note_heights(b, morton(hit.voxel / (kBrick * kBrick), hit.voxel / kBrick % kBrick, z),
+                     k + z,
+                     {static_cast<float>(hit.count), r * (hit.mean.z() - static_cast<float>(z)),
+                      r * r * hit.spread});
     }
   }
   m.flush_ground();
@@ -950,7 +998,7 @@ void OccupancyMapper::insert(const DepthScan& scan) {
                              static_cast<std::size_t>(m.size[2]);
   if (m.marks.size() < volume) {
     m.marks.resize(volume, 0);
-    m.tops.resize(volume, 0.0F);
+    if (m.floor) m.met.resize(volume);
   }
 
   const auto walk_miss = [&](const Eigen::Vector3d& direction) {
@@ -993,7 +1041,13 @@ void OccupancyMapper::insert(const DepthScan& scan) {
               static_cast<std::size_t>(m.size[2]) +
           static_cast<std::size_t>(voxel[2] - m.box[2]);
       m.marks[at] |= kEndedIn;
-      m.tops[at] = std::max(m.tops[at], static_cast<float>(point.z()));
+      if (m.floor && voxel[2] >= 0) {
+        const auto z = static_cast<float>(point.z() - voxel[2] * r);
+        Heights& here = m.met[at];
+        here.count += 1.0F;
+        here.mean += z;
+        here.square += z * z;
+      }
       if (m.evidence != nullptr) m.evidence->add_hit(surface, voxel[0], voxel[1], voxel[2]);
     }
   }
@@ -1118,9 +1172,9 @@ std::shared_ptr<const VoxelGrid> OccupancyMapper::voxels() {
   return impl_->mirror[impl_->current].voxels;
 }
 double OccupancyMapper::floor_level(const Eigen::Vector2d& at) const {
-  if (!impl_->joined) return 0.0;
   const double r = impl_->options.resolution;
-  return r * impl_->level(impl_->joined->frame().cell(at.x(), at.y()));
+  const GridFrame frame{r, 0, 0, 1, 1};
+  return r * impl_->level(frame.cell(at.x(), at.y()));
 }
 std::shared_ptr<const GroundMap> OccupancyMapper::ground() {
   return impl_->ground[impl_->ground_current].map;
