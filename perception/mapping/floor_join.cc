@@ -76,7 +76,7 @@ bool FloorJoin::closed(Cell c) const {
 const FloorSurface* FloorJoin::flat_of(const std::vector<FloorSurface>& found) const {
   const FloorSurface* flat = nullptr;
   for (const FloorSurface& s : found) {
-    if (s.k >= k_body_ || (s.k >= 0 && s.z > step_)) continue;
+    if (s.k >= k_body_ || s.is_low || (s.k >= 0 && s.z > step_)) continue;
     if (flat == nullptr || s.k > flat->k) flat = &s;
   }
   return flat;
@@ -86,7 +86,7 @@ const FloorSurface* FloorJoin::joining(const std::vector<FloorSurface>& found, d
                                        double way) const {
   const FloorSurface* best = nullptr;
   for (const FloorSurface& s : found) {
-    if (s.k < k_body_ && (s.k < 0 || !s.sure)) continue;
+    if (s.k < k_body_ && (s.k < 0 || !s.level)) continue;
     const double off = std::abs(s.z - from);
     if (joins(off, way, step_) && (best == nullptr || off < std::abs(best->z - from))) best = &s;
   }
@@ -219,9 +219,8 @@ void FloorJoin::grow() {
 
 // Of found_, of a cell that joins nothing.
 void FloorJoin::close_low(Cell c) {
-  const bool low = std::any_of(found_.begin(), found_.end(), [this](const FloorSurface& s) {
-    return s.k >= 0 && s.k < k_body_ && s.sure && s.z > step_;
-  });
+  const bool low =
+      std::any_of(found_.begin(), found_.end(), [](const FloorSurface& s) { return s.is_low; });
   Spot* s = find(c);
   if (low ? s != nullptr && s->low : s == nullptr || !s->low) return;
   Spot& now = spot(c);

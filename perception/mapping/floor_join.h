@@ -27,11 +27,12 @@ constexpr bool joins(double rise, double way, double step) {
   return rise <= std::max(step, kSteepest * way + kUneven) + 1e-9;
 }
 
-/// A surface on which something may stand, with room above.
+/// A surface with room above.
 struct FloorSurface {
-  int k = 0;          ///< its layer of voxels
-  double z = 0.0;     ///< [m] its top
-  bool sure = false;  ///< that it is level, and not the foot of what stands there
+  int k = 0;            ///< its layer of voxels
+  double z = 0.0;       ///< [m] its height
+  bool level = false;   ///< what was met of it lies so, and it is no foot of what stands there
+  bool is_low = false;  ///< it is higher than a step, below a body, and no such foot: a kerb
 };
 
 /// The height h of the ground, cell by cell, where the floor is not flat.
@@ -39,7 +40,7 @@ struct FloorSurface {
 ///   flat     a cell with a surface below the body's layers and h <= step: as it is on a flat
 ///            floor, whatever is around it;
 ///   raised   one without, of whose surfaces one joins() the ground of one of eight neighbours; of
-///            several that which is nearest in height. Below the body's layers only if it is sure;
+///            several that which is nearest in height. Below the body's layers only if it is level;
 ///   none     all others. A table is none, and of two storeys over each other the one is ground
 ///            that joins.
 /// Ground grows from the flat floor over raised cells, each of which remembers the neighbour that
@@ -50,7 +51,7 @@ struct FloorSurface {
 ///   floor;   none  that of the nearest ground within kSpread cells, else 0.
 ///
 /// Closed is
-///   low    a sure surface higher than the step, below the body's layers, that joins nothing;
+///   low    a cell without ground, with a surface that is_low;
 ///   edge   a cell whose ground lies higher than a neighbour's and does not join it; one without
 ///          ground between two such within two cells of it;
 ///   steep  a cell on a line of joined ground, along one of eight directions and at most kBaseline

@@ -20,7 +20,8 @@ FloorJoin::Surfaces surfaces_along_x(const Heights& height) {
   return [height](Cell c, std::vector<FloorSurface>& found) {
     if (!kFrame.contains(c)) return;
     const double z = height(kFrame.center(c).x());
-    if (!std::isnan(z)) found.push_back({static_cast<int>(std::ceil(z / kR)) - 1, z, true});
+    if (std::isnan(z)) return;
+    found.push_back({static_cast<int>(std::ceil(z / kR)) - 1, z, true, z > kStep && z < kR});
   };
 }
 std::vector<Cell> all_cells() {
@@ -138,8 +139,8 @@ TEST(FloorJoin, WhatHasGrownFromGroundGoesWithIt) {
 TEST(FloorJoin, NoiseAtTheFootOfAWallIsNoGroundAndNoStep) {
   FloorJoin floor(kR, 1, kStep);
   floor.look(all_cells(), [&](Cell c, std::vector<FloorSurface>& found) {
-    if (c.i == 10) found.push_back({0, 0.08, false});
-    if (c.i < 10) found.push_back({-1, 0.0, true});
+    if (c.i == 10) found.push_back({0, 0.08, false, false});
+    if (c.i < 10) found.push_back({-1, 0.0, true, false});
   });
   EXPECT_TRUE(floor.is_flat());
 }
@@ -147,8 +148,8 @@ TEST(FloorJoin, NoiseAtTheFootOfAWallIsNoGroundAndNoStep) {
 TEST(FloorJoin, AGalleryOverAHallIsNotTheHallsFloor) {
   FloorJoin floor(kR, 1, kStep);
   floor.look(all_cells(), [&](Cell c, std::vector<FloorSurface>& found) {
-    found.push_back({-1, 0.0, true});
-    if (c.i > 10) found.push_back({29, 3.0, true});
+    found.push_back({-1, 0.0, true, false});
+    if (c.i > 10) found.push_back({29, 3.0, true, false});
   });
   EXPECT_TRUE(floor.is_flat());
   EXPECT_EQ(floor.level({30, 0}), 0);
