@@ -29,11 +29,11 @@ FloorJoin::Tile* FloorJoin::tile(Cell c) const {
     return static_cast<std::uint64_t>(static_cast<std::uint32_t>(floor_divide(at, kTile)));
   };
   const std::uint64_t at = part(c.i) << 32 | part(c.j);
-  if (newest_ != nullptr && newest_at_ == at) return newest_;
+  if (asked_ && newest_at_ == at) return newest_;
   const auto found = tiles_.find(at);
-  if (found == tiles_.end()) return nullptr;
+  asked_ = true;
   newest_at_ = at;
-  newest_ = found->second.get();
+  newest_ = found == tiles_.end() ? nullptr : found->second.get();
   return newest_;
 }
 
@@ -54,6 +54,7 @@ FloorJoin::Spot& FloorJoin::spot(Cell c) {
       return static_cast<std::uint64_t>(static_cast<std::uint32_t>(floor_divide(a, kTile)));
     };
     tiles_.emplace(part(at.i) << 32 | part(at.j), std::make_unique<Tile>());
+    asked_ = false;
   }
   return *find(c);
 }

@@ -138,7 +138,8 @@ class FloorJoin {
   int k_body_, reach_;  // reach: of the baseline [cells]
   const Surfaces* surfaces_ = nullptr;
   std::unordered_map<std::uint64_t, std::unique_ptr<Tile>> tiles_;
-  mutable std::uint64_t newest_at_ = 0;  // the tile that was asked for last
+  mutable bool asked_ = false;  // the tile that was asked for last; null: there is none
+  mutable std::uint64_t newest_at_ = 0;
   mutable Tile* newest_ = nullptr;
   std::uint32_t list_ = 0;
   std::vector<Cell> queue_, moved_, reached_, changed_;

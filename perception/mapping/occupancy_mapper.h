@@ -67,8 +67,8 @@ struct OccupancyMapperOptions {
   /// OctoMap does.
   double core = 0.35;
   /// Whether the floor may rise: ramps and thresholds are ground where they join it (FloorJoin).
-  /// Then each scan looks at all that is known of the floor once something low was met.
-  bool slopes = false;
+  /// The poses have to follow it, in height and tilt.
+  bool slopes = true;
 };
 
 /// The knobs (models/knobs.h) of the sensor model; resolution, range and slice come from robot and
@@ -113,12 +113,15 @@ std::string layers_misfit(const OccupancyMapperOptions& options);
 /// that is deeper than the step is entered below the floor's layers. Not so where the step is
 /// deeper than z_min, as of a robot that flies: then nothing is known of the floor.
 ///
-/// Ramps and thresholds. The floor is what joins from z = 0 on without a step (floor_join.h), by
-/// the heights at which surfaces were met, finer than voxels. voxels() and ground() hold each
-/// column let down by its floor_level(), whole voxels: heights in them count from the floor, so
-/// that a ramp is ground, what stands on it an obstacle, and a gallery over a hall none of the
-/// hall's. Where the floor does not join, the higher cell of ground() is occupied. octree() is as
-/// things are. On a flat floor all levels are 0. Floors below z = 0 are holes.
+/// Ramps and thresholds (`slopes`). The height of the ground is that of what was met, finer than
+/// voxels: mean and variance of the points in a voxel, of the newest 100. What of it is ground,
+/// FloorJoin says. voxels() and ground() hold each column let down by its level, whole voxels, and
+/// octree() says by how many (levelled_octree.h): heights in them count from the floor, so that a
+/// ramp is ground, what stands on it an obstacle, and a gallery over a hall none of the hall's.
+/// What is closed is occupied in ground(). octree() is as things are. In the floor's layers of a
+/// raised column, too, a ray says something of what is occupied only if it ends in them, or went on
+/// through the layer below. On a flat floor all is as without `slopes`, to the bit. Floors below
+/// z = 0 are holes.
 ///
 /// Snapshots. octree(), voxels() and ground() return the map after the last insert and never change
 /// afterwards: later changes go to another copy as long as a snapshot is held elsewhere. Each map

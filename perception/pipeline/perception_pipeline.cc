@@ -34,15 +34,22 @@ WheelFusionOptions fusion_of(const PerceptionOptions& options) {
   return fusion;
 }
 
+/// A pose in the plane follows no ramp: what rises stays an obstacle.
+OccupancyMapperOptions mapping_of(const PerceptionOptions& options) {
+  OccupancyMapperOptions mapping = options.mapping;
+  mapping.slopes = mapping.slopes && options.start_in_space.has_value();
+  return mapping;
+}
+
 ScanMapperOptions scans_of(const PerceptionOptions& options) {
   ScanMapperOptions scans = options.scan_mapping;
-  scans.map = options.mapping;
+  scans.map = mapping_of(options);
   return scans;
 }
 
 DepthMapperOptions depths_of(const PerceptionOptions& options, const DepthCameraOnBody& camera) {
   DepthMapperOptions depths = options.depth_mapping;
-  depths.map = options.mapping;
+  depths.map = mapping_of(options);
   if (camera.range) {
     depths.range = *camera.range;
     depths.map.max_range = std::min(depths.map.max_range, camera.range->max);
@@ -129,7 +136,7 @@ PerceptionPipeline::PerceptionPipeline(std::unique_ptr<Odometry> odometry,
       reader_(options.stereo_mount.T_BC),
       fusion_(fusion_of(options)),
       inertial_(options.inertial),
-      map_(std::make_shared<OccupancyMapper>(options.mapping)),
+      map_(std::make_shared<OccupancyMapper>(mapping_of(options))),
       movers_(std::make_shared<MoverTracker>(options.movers)),
       builder_(options.stereo_mount.T_BC),
       density_(options.feature_density),

@@ -8,12 +8,11 @@
 namespace prospect {
 
 std::vector<YamlSetting> settings_before_their_keys() {
-  std::vector<YamlSetting> settings = {"perception.loops=false",
-                                       "perception.movers.enabled=false",
-                                       "simulator.camera.realism=0",
-                                       "simulator.odometry.scale_error=0",
-                                       "simulator.odometry.direction_error=0",
-                                       "simulator.odometry.turn_error=0"};
+  std::vector<YamlSetting> settings = {
+      "perception.loops=false",           "perception.movers.enabled=false",
+      "perception.mapping.slopes=false",  "simulator.camera.realism=0",
+      "simulator.odometry.scale_error=0", "simulator.odometry.direction_error=0",
+      "simulator.odometry.turn_error=0"};
   for (YamlSetting& setting : settings) {
     setting.where = "recorded before the key";
     setting.unless_told = true;

@@ -408,10 +408,12 @@ MapInput scan_input(const MapArguments& arguments, const PerceptionOptions& perc
   return input;
 }
 
-/// As configured, by default with finer voxels than in missions: nobody waits for the map.
+/// As configured, by default with finer voxels than in missions, as nobody waits for the map, and
+/// with a flat floor: recorded poses are mended so that the floor is z = 0.
 PerceptionOptions perception_of(const MapArguments& arguments, ConfigurationUse use) {
   PerceptionOptions perception;
   perception.mapping.resolution = 0.05;
+  perception.mapping.slopes = false;
   return read_told_perception(arguments.configuration, perception, use);
 }
 

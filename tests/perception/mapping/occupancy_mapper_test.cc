@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "engine/maps/floor_state.h"
+#include "engine/maps/levelled_octree.h"
 #include "tests/not_under_sanitizers.h"
 
 namespace prospect::occupancy_mapper_test {
@@ -174,6 +175,86 @@ TEST(OccupancyMapper, AFloorThatIsSeenFromNearCorrectsWhatLookedLikeAHole) {
   ASSERT_EQ(mapper.ground()->state({21, 0}), CellState::kOccupied);
   for (int n = 0; n < 4; ++n) mapper.insert(scan_of_edge(100.0, 101.0, generator));
   EXPECT_EQ(mapper.ground()->state({21, 0}), CellState::kFree);
+}
+
+/// Of an image at a place on a ramp of these degrees, which begins at x = 1, with its tilt.
+DepthScan ramp_scan(double x, double degrees) {
+  const double slope = std::tan(degrees * M_PI / 180.0);
+  const auto height = [slope](double at) { return slope * std::max(0.0, at - 1.0); };
+  DepthScan scan;
+  scan.origin = {x, 0.0, height(x) + 0.45};
+  for (int row = 0; row < 60; ++row) {
+    for (int column = 0; column < 80; ++column) {
+      const double a = 1.22 * ((column + 0.5) / 80 - 0.5), e = 0.95 * (0.5 - (row + 0.5) / 60);
+      const Eigen::Vector3d d(std::cos(a) * std::cos(e), std::sin(a) * std::cos(e), std::sin(e));
+      // On the floor before the ramp, or on the ramp.
+      double range = d.z() < 0.0 ? -scan.origin.z() / d.z() : 1e9;
+      if (x > 1.0 || x + range * d.x() > 1.0) {
+        const double falls = slope * d.x() - d.z();
+        range = falls > 0.0 ? (scan.origin.z() - slope * (x - 1.0)) / falls : 1e9;
+      }
+      range <= 4.0 ? scan.hits.emplace_back(scan.origin + d * range)
+                   : scan.misses.emplace_back(scan.origin + d * 4.0);
+    }
+  }
+  return scan;
+}
+
+TEST(OccupancyMapper, ARampIsGroundOverWhichTheMapsAreLetDown) {
+  OccupancyMapper map, steep;
+  for (double x = 0.0; x < 3.0; x += 0.05) {
+    map.insert(ramp_scan(x, 8.0));
+    steep.insert(ramp_scan(std::min(x, 0.5), 12.0));
+  }
+  const auto state = [](OccupancyMapper& m, double x) {
+    return m.ground()->state(m.ground()->frame().cell(x, 0.05));
+  };
+  for (double x = 1.05; x < 4.0; x += 0.1) {
+    EXPECT_EQ(state(map, x), CellState::kFree) << x;
+    EXPECT_NEAR(map.floor_level({x, 0.05}), 0.14 * (x - 1.0), 0.08) << x;
+  }
+  EXPECT_EQ(state(steep, 1.25), CellState::kOccupied);
+  // The mirror is the octree, column by column let down as it says.
+  const auto voxels = map.voxels();
+  const auto octree = map.octree();
+  int raised = 0;
+  for (int i = 0; i < 45; ++i) {
+    const int up = level_of(*octree, {i, 0});
+    raised += up > 0;
+    EXPECT_EQ(up, std::lround(map.floor_level({(i + 0.5) * kR, 0.05}) / kR));
+    for (int k = voxels->k0(); k < 15; ++k) {
+      const auto* node = octree->search((i + 0.5) * kR, 0.05, (k + up + 0.5) * kR);
+      const CellState known = node == nullptr                ? CellState::kUnknown
+                              : octree->isNodeOccupied(node) ? CellState::kOccupied
+                                                             : CellState::kFree;
+      EXPECT_EQ(voxels->state(i, 0, k), known) << i << ' ' << k;
+    }
+  }
+  EXPECT_GT(raised, 20);
+  // What stands on it is an obstacle, and what does not rise is as without.
+  DepthScan post;
+  post.origin = {2.0, 0.0, 0.59};
+  for (int n = 0; n < 20; ++n) post.hits.emplace_back(3.05, 0.05, 0.35 + 0.02 * n);
+  for (int n = 0; n < 3; ++n) map.insert(post);
+  EXPECT_EQ(state(map, 3.05), CellState::kOccupied);
+}
+
+TEST(OccupancyMapper, AFlatFloorIsTheSameWithSlopesAsWithout) {
+  OccupancyMapperOptions options;
+  OccupancyMapper sloped(options);
+  options.slopes = false;
+  OccupancyMapper flat(options);
+  std::mt19937_64 generator(5);
+  std::uniform_real_distribution<double> u(-1.0, 1.0);
+  for (int n = 0; n < 60; ++n) {
+    const DepthScan scan = room_scan({2.0 * u(generator), 1.5 * u(generator), 0.45},
+                                     3.1 * u(generator), generator, 0.015);
+    sloped.insert(scan);
+    flat.insert(scan);
+    EXPECT_EQ(sloped.ground()->cells().data, flat.ground()->cells().data) << n;
+    EXPECT_EQ(sloped.ground()->revision(), flat.ground()->revision());
+    EXPECT_TRUE(sloped.voxels()->data() == flat.voxels()->data());
+  }
 }
 
 TEST(OccupancyMapper, AgreesWithOctoMapOnTheSameScans) {

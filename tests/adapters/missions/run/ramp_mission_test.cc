@@ -30,11 +30,9 @@ struct Explored {
 
 Explored explore(const std::string& yaml, double time_limit) {
   World world = world_from_yaml(yaml, "ramps");
-  const Configuration c =
-      configuration_from_text("mission: {time_limit: " + std::to_string(time_limit) +
-                                  "}\ntask: {kind: explore}\n"
-                                  "perception: {mapping: {slopes: true}}\n",
-                              "ramps");
+  const Configuration c = configuration_from_text(
+      "mission: {time_limit: " + std::to_string(time_limit) + "}\ntask: {kind: explore}\n",
+      "ramps");
   place_start(world, world_options_for(c).slice, std::nullopt, true);
   const auto shared = std::make_shared<const World>(std::move(world));
   const ExplorationRunResult result = run_exploration(shared, c, {});
@@ -96,10 +94,10 @@ std::string hall_with_dock(double foot) {
 TEST(RampMission, ClimbsAGentleRampAndNotASteepOne) {
   NOT_UNDER_SANITIZERS("a mission, of parts that are tested by themselves");
   const Explored gentle = explore(hall_with_dock(3.04), 120.0);  // 8 degrees
-  EXPECT_NEAR(gentle.highest, 0.5, 1e-6);  // on the dock
+  EXPECT_NEAR(gentle.highest, 0.5, 1e-6);                        // on the dock
   EXPECT_GT(gentle.coverage, 0.95);
   const Explored steep = explore(hall_with_dock(4.25), 120.0);  // 12 degrees
-  EXPECT_LT(steep.highest, 0.02);  // at its foot at most
+  EXPECT_LT(steep.highest, 0.02);                               // at its foot at most
   EXPECT_GT(steep.coverage, 0.95);
   for (const Explored& e : {gentle, steep}) {
     EXPECT_EQ(e.contacts, 0);
