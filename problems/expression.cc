@@ -4,6 +4,7 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <numbers>
 #include <stdexcept>
 #include <string_view>
 #include <system_error>
@@ -41,7 +42,7 @@ class ExpressionParser {
     return true;
   }
   int add(Operation operation, int a = 0, int b = 0, double number = 0.0) {
-    into_.nodes_.push_back({operation, a, b, number});
+    into_.nodes_.push_back({operation, a, b, 0, number});
     return static_cast<int>(into_.nodes_.size()) - 1;
   }
 
@@ -138,9 +139,216 @@ class ExpressionParser {
   int depth_ = 0;
 };
 
+int Expression::operands(Operation operation) {
+  using enum Operation;
+  switch (operation) {
+    case kNumber:
+    case kVariable:
+      return 0;
+    case kAdd:
+    case kSubtract:
+    case kMultiply:
+    case kDivide:
+    case kPower:
+    case kAtan2:
+    case kMinimum:
+    case kMaximum:
+    case kLess:
+    case kLessEqual:
+    case kEqual:
+    case kAnd:
+    case kOr:
+      return 2;
+    case kIf:
+      return 3;
+    default:
+      return 1;
+  }
+}
+
 Expression::Expression(const std::string& text, int variables) : variables_(variables) {
   ExpressionParser(text, *this).run();
 }
+
+Expression::Expression(std::vector<Node> nodes, int variables)
+    : variables_(variables), nodes_(std::move(nodes)) {
+  if (nodes_.empty()) throw std::invalid_argument("expression: no operation; expected one or more");
+  for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    const Node& node = nodes_[i];
+    const int before = static_cast<int>(i), count = operands(node.operation);
+    const int places[] = {node.a, node.b, node.c};
+    for (int k = 0; k < count; ++k) {
+      if (places[k] < 0 || places[k] >= before) {
+        throw std::invalid_argument("expression: operation " + std::to_string(i) + " uses " +
+                                    std::to_string(places[k]) + "; expected one before it");
+      }
+    }
+    if (node.operation == Operation::kVariable && (node.a < 0 || node.a >= variables_)) {
+      throw std::invalid_argument("expression: variable " + std::to_string(node.a) +
+                                  "; expected 0 to " + std::to_string(variables_ - 1));
+    }
+  }
+}
+
+std::vector<int> Expression::dependencies() const {
+  std::vector<bool> seen(static_cast<std::size_t>(variables_), false);
+  for (const Node& node : nodes_) {
+    if (node.operation == Operation::kVariable) seen[static_cast<std::size_t>(node.a)] = true;
+  }
+  std::vector<int> found;
+  for (int i = 0; i < variables_; ++i) {
+    if (seen[static_cast<std::size_t>(i)]) found.push_back(i);
+  }
+  return found;
+}
+
+namespace {
+
+double applied(Expression::Operation operation, double a, double b, double c) {
+  using enum Expression::Operation;
+  switch (operation) {
+    case kNumber:
+    case kVariable:
+      break;
+    case kNegate:
+      return -a;
+    case kAdd:
+      return a + b;
+    case kSubtract:
+      return a - b;
+    case kMultiply:
+      return a * b;
+    case kDivide:
+      return a / b;
+    case kPower:
+      return std::pow(a, b);
+    case kSin:
+      return std::sin(a);
+    case kCos:
+      return std::cos(a);
+    case kTan:
+      return std::tan(a);
+    case kExp:
+      return std::exp(a);
+    case kLog:
+      return std::log(a);
+    case kSqrt:
+      return std::sqrt(a);
+    case kAbs:
+      return std::abs(a);
+    case kTanh:
+      return std::tanh(a);
+    case kSinh:
+      return std::sinh(a);
+    case kCosh:
+      return std::cosh(a);
+    case kAsin:
+      return std::asin(a);
+    case kAcos:
+      return std::acos(a);
+    case kAtan:
+      return std::atan(a);
+    case kAsinh:
+      return std::asinh(a);
+    case kAcosh:
+      return std::acosh(a);
+    case kAtanh:
+      return std::atanh(a);
+    case kLog10:
+      return std::log10(a);
+    case kAtan2:
+      return std::atan2(a, b);
+    case kMinimum:
+      return b < a ? b : a;
+    case kMaximum:
+      return b > a ? b : a;
+    case kLess:
+      return a < b ? 1.0 : 0.0;
+    case kLessEqual:
+      return a <= b ? 1.0 : 0.0;
+    case kEqual:
+      return a == b ? 1.0 : 0.0;
+    case kAnd:
+      return a != 0.0 && b != 0.0 ? 1.0 : 0.0;
+    case kOr:
+      return a != 0.0 || b != 0.0 ? 1.0 : 0.0;
+    case kNot:
+      return a == 0.0 ? 1.0 : 0.0;
+    case kIf:
+      return a != 0.0 ? b : c;
+  }
+  return 0.0;
+}
+
+/// d times the derivatives of the result v by a, b and c. constant: whether b is a number.
+struct Slopes {
+  double a = 0.0, b = 0.0, c = 0.0;
+};
+Slopes slopes(Expression::Operation operation, double d, double a, double b, double v,
+              bool constant) {
+  using enum Expression::Operation;
+  switch (operation) {
+    case kNegate:
+      return {-d};
+    case kAdd:
+      return {d, d};
+    case kSubtract:
+      return {d, -d};
+    case kMultiply:
+      return {d * b, d * a};
+    case kDivide:
+      return {d / b, -(d * a / (b * b))};
+    case kPower:
+      // A constant exponent needs no logarithm, which a negative base has not.
+      return {d * b * std::pow(a, b - 1.0), constant ? 0.0 : d * v * std::log(a)};
+    case kSin:
+      return {d * std::cos(a)};
+    case kCos:
+      return {-(d * std::sin(a))};
+    case kTan:
+      return {d * (1.0 + v * v)};
+    case kExp:
+      return {d * v};
+    case kLog:
+      return {d / a};
+    case kSqrt:
+      return {d / (2.0 * v)};
+    case kAbs:
+      return {a < 0.0 ? -d : d};
+    case kTanh:
+      return {d * (1.0 - v * v)};
+    case kSinh:
+      return {d * std::cosh(a)};
+    case kCosh:
+      return {d * std::sinh(a)};
+    case kAsin:
+      return {d / std::sqrt(1.0 - a * a)};
+    case kAcos:
+      return {-(d / std::sqrt(1.0 - a * a))};
+    case kAtan:
+      return {d / (1.0 + a * a)};
+    case kAsinh:
+      return {d / std::sqrt(a * a + 1.0)};
+    case kAcosh:
+      return {d / std::sqrt(a * a - 1.0)};
+    case kAtanh:
+      return {d / (1.0 - a * a)};
+    case kLog10:
+      return {d / (a * std::numbers::ln10)};
+    case kAtan2:
+      return {d * b / (a * a + b * b), -(d * a / (a * a + b * b))};
+    case kMinimum:
+      return b < a ? Slopes{0.0, d} : Slopes{d};
+    case kMaximum:
+      return b > a ? Slopes{0.0, d} : Slopes{d};
+    case kIf:
+      return a != 0.0 ? Slopes{0.0, d} : Slopes{0.0, 0.0, d};
+    default:  // numbers and comparisons
+      return {};
+  }
+}
+
+}  // namespace
 
 std::vector<double> Expression::values(const Eigen::VectorXd& x) const {
   std::vector<double> v(nodes_.size());
@@ -148,53 +356,12 @@ std::vector<double> Expression::values(const Eigen::VectorXd& x) const {
     const Node& node = nodes_[i];
     if (node.operation == Operation::kNumber) {
       v[i] = node.number;
-      continue;
-    }
-    if (node.operation == Operation::kVariable) {
+    } else if (node.operation == Operation::kVariable) {
       v[i] = x[node.a];
-      continue;
-    }
-    const double a = v[static_cast<std::size_t>(node.a)], b = v[static_cast<std::size_t>(node.b)];
-    switch (node.operation) {
-      case Operation::kNumber:
-      case Operation::kVariable:
-        break;
-      case Operation::kNegate:
-        v[i] = -a;
-        break;
-      case Operation::kAdd:
-        v[i] = a + b;
-        break;
-      case Operation::kSubtract:
-        v[i] = a - b;
-        break;
-      case Operation::kMultiply:
-        v[i] = a * b;
-        break;
-      case Operation::kDivide:
-        v[i] = a / b;
-        break;
-      case Operation::kPower:
-        v[i] = std::pow(a, b);
-        break;
-      case Operation::kSin:
-        v[i] = std::sin(a);
-        break;
-      case Operation::kCos:
-        v[i] = std::cos(a);
-        break;
-      case Operation::kTan:
-        v[i] = std::tan(a);
-        break;
-      case Operation::kExp:
-        v[i] = std::exp(a);
-        break;
-      case Operation::kLog:
-        v[i] = std::log(a);
-        break;
-      case Operation::kSqrt:
-        v[i] = std::sqrt(a);
-        break;
+    } else {
+      // Operands that an operation has not are node 0.
+      v[i] = applied(node.operation, v[static_cast<std::size_t>(node.a)],
+                     v[static_cast<std::size_t>(node.b)], v[static_cast<std::size_t>(node.c)]);
     }
   }
   return v;
@@ -210,60 +377,18 @@ Eigen::VectorXd Expression::gradient(const Eigen::VectorXd& x) const {
   for (std::size_t i = nodes_.size(); i-- > 0;) {
     const Node& node = nodes_[i];
     const double d = adjoint[i];
-    if (node.operation == Operation::kNumber) continue;
+    // What does not count has no derivative either, were it infinite: the other side of an `if`.
+    if (d == 0.0 || node.operation == Operation::kNumber) continue;
     if (node.operation == Operation::kVariable) {
       gradient[node.a] += d;
       continue;
     }
-    const auto ia = static_cast<std::size_t>(node.a), ib = static_cast<std::size_t>(node.b);
-    const double a = v[ia], b = v[ib];
-    switch (node.operation) {
-      case Operation::kNumber:
-      case Operation::kVariable:
-        break;
-      case Operation::kNegate:
-        adjoint[ia] -= d;
-        break;
-      case Operation::kAdd:
-        adjoint[ia] += d;
-        adjoint[ib] += d;
-        break;
-      case Operation::kSubtract:
-        adjoint[ia] += d;
-        adjoint[ib] -= d;
-        break;
-      case Operation::kMultiply:
-        adjoint[ia] += d * b;
-        adjoint[ib] += d * a;
-        break;
-      case Operation::kDivide:
-        adjoint[ia] += d / b;
-        adjoint[ib] -= d * a / (b * b);
-        break;
-      case Operation::kPower:
-        adjoint[ia] += d * b * std::pow(a, b - 1.0);
-        // A constant exponent needs no logarithm, which a negative base has not.
-        if (nodes_[ib].operation != Operation::kNumber) adjoint[ib] += d * v[i] * std::log(a);
-        break;
-      case Operation::kSin:
-        adjoint[ia] += d * std::cos(a);
-        break;
-      case Operation::kCos:
-        adjoint[ia] -= d * std::sin(a);
-        break;
-      case Operation::kTan:
-        adjoint[ia] += d * (1.0 + v[i] * v[i]);
-        break;
-      case Operation::kExp:
-        adjoint[ia] += d * v[i];
-        break;
-      case Operation::kLog:
-        adjoint[ia] += d / a;
-        break;
-      case Operation::kSqrt:
-        adjoint[ia] += d / (2.0 * v[i]);
-        break;
-    }
+    const auto a = static_cast<std::size_t>(node.a), b = static_cast<std::size_t>(node.b);
+    const Slopes by =
+        slopes(node.operation, d, v[a], v[b], v[i], nodes_[b].operation == Operation::kNumber);
+    if (by.a != 0.0) adjoint[a] += by.a;
+    if (by.b != 0.0) adjoint[b] += by.b;
+    if (by.c != 0.0) adjoint[static_cast<std::size_t>(node.c)] += by.c;
   }
   return gradient;
 }

@@ -113,6 +113,15 @@ Problem FunctionProblem::problem() const {
   return Problem(d);
 }
 
+StatedProgramme FunctionProblem::stated() const {
+  const int n = static_cast<int>(lower.size());
+  StatedProgramme stated{name, start, lower, upper, Expression(objective, n), {}, optimum};
+  for (const std::string& row : constraints) {
+    stated.rows.push_back({Expression(row, n), 0.0, std::numeric_limits<double>::infinity()});
+  }
+  return stated;
+}
+
 Vector vec(std::initializer_list<double> values) {
   Vector v(static_cast<Eigen::Index>(values.size()));
   Eigen::Index i = 0;

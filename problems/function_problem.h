@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "engine/problem/problem.h"
+#include "problems/stated_programme.h"
 
 namespace prospect {
 
@@ -80,9 +81,13 @@ struct FunctionProblem {
   FunctionConstraint::Jacobian J = {};
   double optimum = 0.0;         ///< f at the global solution
   bool several_basins = false;  ///< local methods may end in another minimum
+  /// f, and the rows of c, as expressions.
+  std::string objective{};
+  std::vector<std::string> constraints{};
 
   /// N = M = 1, so that z = u.
   Problem problem() const;
+  StatedProgramme stated() const;
   double violation(const Eigen::VectorXd& u) const {
     return rows == 0 ? 0.0 : prospect::violation(c(u));
   }

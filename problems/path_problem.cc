@@ -6,8 +6,11 @@
 #include <limits>
 #include <memory>
 #include <utility>
+#include <vector>
 
+#include "models/sinc.h"
 #include "models/unicycle.h"
+#include "problems/expression_builder.h"
 
 namespace prospect {
 namespace {
@@ -84,6 +87,57 @@ class OutsideDisc final : public Term {
   double radius_;
 };
 
+using Formula = ExpressionBuilder::Formula;
+
+/// sinc of models/sinc.h: its series near 0.
+Formula stated_sinc(ExpressionBuilder& e, Formula x) {
+  using enum Expression::Operation;
+  const Formula z = x * x;
+  Formula series = e.number(1.0);
+  for (const double divisor : {210.0, 156.0, 110.0, 72.0, 42.0, 20.0, 6.0}) {
+    series = 1.0 - z / divisor * series;
+  }
+  const Formula near = e.of(kAbs, x) < kSincSeriesRadius;
+  // Nothing is divided by 0 on the side that does not count either.
+  const Formula apart = e.choose(near, e.number(1.0), x);
+  return e.choose(near, series, e.of(kSin, apart) / apart);
+}
+
+StatedProgramme stated_path(const Problem& problem, const Eigen::Matrix2Xd& path,
+                            const Eigen::Vector2d& centre, double radius, int discs) {
+  using enum Expression::Operation;
+  const ProblemDefinition& d = problem.definition();
+  const int n = problem.num_variables();
+  ExpressionBuilder e(n);
+  Formula px = e.number(0.0), py = e.number(0.0), theta = e.number(0.0);
+  std::vector<Formula> cost, outside;
+  for (int k = 0; k < d.N; ++k) {
+    const int m = problem.knot(k);
+    const Formula phi = 0.5 * d.dt * e.x(2 * m + 1);
+    const Formula chord = e.x(2 * m) * d.dt * stated_sinc(e, phi);
+    px = px + chord * e.of(kCos, theta + phi);
+    py = py + chord * e.of(kSin, theta + phi);
+    theta = theta + d.dt * e.x(2 * m + 1);
+    const Formula dx = px - path(0, k + 1), dy = py - path(1, k + 1);
+    cost.push_back((dx * dx + dy * dy) / d.N);
+    const Formula rx = px - centre.x(), ry = py - centre.y();
+    outside.push_back(e.of(kSqrt, rx * rx + ry * ry + 1e-12) - radius);
+  }
+  StatedProgramme stated{"path past a disc",
+                         Eigen::VectorXd::Zero(n),
+                         problem.lower(),
+                         problem.upper(),
+                         e.finish(e.sum(cost)),
+                         {},
+                         0.0};
+  for (int i = 0; i < discs; ++i) {
+    for (const Formula& row : outside) {
+      stated.rows.push_back({e.finish(row), 0.0, std::numeric_limits<double>::infinity()});
+    }
+  }
+  return stated;
+}
+
 }  // namespace
 
 PathProblem path_problem(int discs) {
@@ -110,7 +164,9 @@ PathProblem path_problem(int discs) {
   for (int i = 0; i < discs; ++i) {
     d.terms.push_back({std::make_shared<OutsideDisc>(centre, clearance - 0.05), 1.0});
   }
-  return {Problem(d), z};
+  Problem problem(d);
+  StatedProgramme stated = stated_path(problem, path, centre, clearance - 0.05, discs);
+  return {std::move(problem), z, std::move(stated)};
 }
 
 }  // namespace prospect

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 
 #include "engine/problem/problem.h"
+#include "problems/stated_programme.h"
 
 namespace prospect {
 
@@ -12,6 +13,7 @@ namespace prospect {
 struct PathProblem {
   Problem problem;
   Eigen::VectorXd solution;  ///< z
+  StatedProgramme stated;    ///< the same as expressions; start: at rest
 };
 
 PathProblem path_problem(int discs = 1);

@@ -7,6 +7,7 @@
 #include <random>
 
 #include "problems/euler_unicycle.h"
+#include "problems/expression_builder.h"
 #include "problems/r1_kernel.h"
 
 namespace prospect {
@@ -233,6 +234,74 @@ Problem make_r1(const Eigen::Vector3d& x0) {
              {make_r1_gain(), -0.3},
              {make_r1_inputs(), 1.0}};
   return Problem(std::move(d));
+}
+
+namespace {
+
+using Formula = ExpressionBuilder::Formula;
+
+/// s(a) = 1 / (1 + exp(-a / unit)), which overflows nowhere.
+Formula sigmoid(ExpressionBuilder& e, Formula a, double unit) {
+  return 0.5 * (1.0 + e.of(Expression::Operation::kTanh, a / (2.0 * unit)));
+}
+
+/// The weighted terms of one pose.
+Formula stated_pose(ExpressionBuilder& e, Formula px, Formula py, Formula theta) {
+  using enum Expression::Operation;
+  static const Columns discs = draw_places(7, 12, 1.0, 5.0, 2.5);
+  static const Columns blobs = draw_places(13, 10, 2.0, 7.0, 4.0);
+  static const Columns points = draw_points();
+  const Formula cosine = e.of(kCos, theta), sine = e.of(kSin, theta);
+  std::vector<Formula> collision, gain, count;
+  for (std::size_t i = 0; i < 12; ++i) {
+    const Formula dx = px - discs.x[i], dy = py - discs.y[i];
+    const Formula distance = e.of(kSqrt, dx * dx + dy * dy + 1e-30);
+    collision.push_back(0.5 * (1.0 - e.of(kTanh, 8.0 * (distance - 0.6))));
+  }
+  const Formula qx = px + 1.5 * cosine, qy = py + 1.5 * sine;
+  for (std::size_t i = 0; i < 10; ++i) {
+    const Formula dx = qx - blobs.x[i], dy = qy - blobs.y[i];
+    gain.push_back(e.of(kExp, (dx * dx + dy * dy) * (-0.5 / (0.8 * 0.8))));
+  }
+  for (std::size_t i = 0; i < 150; ++i) {
+    const Formula dx = points.x[i] - px, dy = points.y[i] - py;
+    const Formula zc = cosine * dx + sine * dy, xc = sine * dx - cosine * dy;
+    const Formula ahead = e.number(0.05) < zc;
+    const Formula z = e.choose(ahead, zc, e.number(0.05));
+    const Formula u = 450.0 * xc / z + 320.0, v = 450.0 * points.down[i] / z + 240.0;
+    const Formula seen = sigmoid(e, u, 10.0) * sigmoid(e, 640.0 - u, 10.0) *
+                         (sigmoid(e, v, 10.0) * sigmoid(e, 480.0 - v, 10.0)) *
+                         sigmoid(e, z - 0.5, 0.1);
+    count.push_back(e.choose(ahead, seen, e.number(0.0)));
+  }
+  const Formula missing = e.of(kLog, 1.0 + e.of(kExp, (20.0 - e.sum(count)) / 5.0));
+  return 20.0 * e.sum(collision) + 0.5 * missing - 0.3 * e.sum(gain);
+}
+
+}  // namespace
+
+StatedProgramme r1_stated(const Eigen::Vector3d& x0) {
+  using enum Expression::Operation;
+  const Problem problem = make_r1(x0);
+  ExpressionBuilder e(problem.num_variables());
+  Formula px = e.number(x0[0]), py = e.number(x0[1]), theta = e.number(x0[2]);
+  Formula before = e.number(0.0);
+  std::vector<Formula> cost;
+  const double dt = problem.definition().dt;
+  for (int k = 0; k < problem.definition().N; ++k) {
+    const Formula v = e.x(2 * k), w = e.x(2 * k + 1);
+    const Formula slow = v - 0.5, change = w - before;
+    cost.push_back(0.05 * w * w + 0.1 * slow * slow + 0.2 * change * change);
+    before = w;
+    const Formula way = dt * v;
+    const Formula next_x = px + way * e.of(kCos, theta);
+    py = py + way * e.of(kSin, theta);
+    px = next_x;
+    theta = theta + dt * w;
+    cost.push_back(stated_pose(e, px, py, theta));
+  }
+  return {"R1", r1_cold(),   problem.lower(), problem.upper(), e.finish(e.sum(cost)),
+          {},   std::nullopt};
 }
 
 Eigen::VectorXd r1_cold() { return Eigen::Vector2d(0.5, 0.0).replicate(20, 1); }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "engine/problem/problem.h"
+#include "problems/stated_programme.h"
 
 namespace prospect {
 
@@ -41,6 +42,9 @@ std::shared_ptr<const Term> make_r1_inputs();     ///< weight 1
 
 /// R1 from the state x0 = (px, py, theta).
 Problem make_r1(const Eigen::Vector3d& x0 = Eigen::Vector3d::Zero());
+
+/// The same as expressions. z = (v_0, w_0, v_1, ...), start: r1_cold(); no optimum.
+StatedProgramme r1_stated(const Eigen::Vector3d& x0 = Eigen::Vector3d::Zero());
 
 /// The cold guess: v = 0.5, w = 0 all along.
 Eigen::VectorXd r1_cold();

@@ -3,6 +3,7 @@
 
 #include <Eigen/Cholesky>
 #include <cmath>
+#include <cstdio>
 
 #include "engine/support/cholesky.h"
 
@@ -48,6 +49,7 @@ FunctionProblem rosenbrock() {
                    J << -2 * a * x[0], a, -b, 0;
                    return J;
                  }};
+  p.objective = "100*(x2-x1*x1)^2+(1-x1)^2";
   return p;
 }
 
@@ -69,6 +71,11 @@ FunctionProblem bounded_quadratic() {
   };
   for (int i = 0; i < n; i += 3) p.optimum += (i + 1) * 0.25;
   p.residuals = of_quadratic(p);
+  for (int i = 0; i < n; ++i) {
+    char part[80];
+    std::snprintf(part, sizeof part, "%s%d*(x%d-(%.17g))^2", i > 0 ? "+" : "", i + 1, i + 1, t[i]);
+    p.objective += part;
+  }
   return p;
 }
 
@@ -83,6 +90,8 @@ FunctionProblem hs12() {
   p.J = [](const Vector& x) { return Matrix(vec({-8 * x[0], -2 * x[1]}).transpose()); };
   p.optimum = -30;
   p.residuals = of_quadratic(p);
+  p.objective = "0.5*x1*x1+x2*x2-x1*x2-7*x1-7*x2";
+  p.constraints = {"25-4*x1*x1-x2*x2"};
   return p;
 }
 
@@ -96,6 +105,8 @@ FunctionProblem hs21() {
   p.J = [](const Vector&) { return Matrix(vec({10, -1}).transpose()); };
   p.optimum = -99.96;
   p.residuals = of_quadratic(p);
+  p.objective = "0.01*x1*x1+x2*x2-100";
+  p.constraints = {"10*x1-x2-10"};
   return p;
 }
 
@@ -112,6 +123,8 @@ FunctionProblem hs22() {
   };
   p.optimum = 1;
   p.residuals = of_quadratic(p);
+  p.objective = "(x1-2)^2+(x2-1)^2";
+  p.constraints = {"2-x1-x2", "x2-x1*x1"};
   return p;
 }
 
@@ -124,6 +137,8 @@ FunctionProblem hs29() {
   p.J = [](const Vector& x) { return Matrix(vec({-2 * x[0], -4 * x[1], -8 * x[2]}).transpose()); };
   p.optimum = -16 * std::sqrt(2.0);
   p.residuals = FunctionResiduals{-1000.0};
+  p.objective = "-x1*x2*x3";
+  p.constraints = {"48-x1*x1-2*x2*x2-4*x3*x3"};
   return p;
 }
 
@@ -142,6 +157,8 @@ FunctionProblem hs35() {
   p.J = [](const Vector&) { return Matrix(vec({-1, -1, -2}).transpose()); };
   p.optimum = 1.0 / 9.0;
   p.residuals = of_quadratic(p);
+  p.objective = "9-8*x1-6*x2-4*x3+2*x1*x1+2*x2*x2+x3*x3+2*x1*x2+2*x1*x3";
+  p.constraints = {"3-x1-x2-2*x3"};
   return p;
 }
 
@@ -170,6 +187,9 @@ FunctionProblem hs43() {
   };
   p.optimum = -44;
   p.residuals = of_quadratic(p);
+  p.objective = "x1*x1+x2*x2+2*x3*x3+x4*x4-5*x1-5*x2-21*x3+7*x4";
+  p.constraints = {"8-x1*x1-x2*x2-x3*x3-x4*x4-x1+x2-x3+x4", "10-x1*x1-2*x2*x2-x3*x3-2*x4*x4+x1+x4",
+                   "5-2*x1*x1-x2*x2-x3*x3-2*x1+x2+x4"};
   return p;
 }
 
@@ -194,6 +214,8 @@ FunctionProblem hs76() {
   };
   p.optimum = -4.681818181818182;
   p.residuals = of_quadratic(p);
+  p.objective = "x1*x1+0.5*x2*x2+x3*x3+0.5*x4*x4-x1*x3+x3*x4-x1-3*x2+x3-x4";
+  p.constraints = {"5-x1-2*x2-x3-x4", "4-3*x1-x2-2*x3+x4", "x2+4*x3-1.5"};
   return p;
 }
 
@@ -224,6 +246,7 @@ FunctionProblem camel() {
                    J << 1, 1, root + s * (-4.2 + 4 * s / 3) / root, 0, 0, std::sqrt(2.0) * 4 * x[1];
                    return J;
                  }};
+  p.objective = "(4-2.1*x1^2+x1^4/3)*x1^2+x1*x2+(-4+4*x2^2)*x2^2";
   return p;
 }
 
@@ -245,6 +268,7 @@ FunctionProblem pressure() {
                    J << 1e-5, 0, -2.5e-5, 10;
                    return Matrix(std::sqrt(2.0) * J);
                  }};
+  p.objective = "(x1/1e5-3)^2+100*(x2-x1/4e5)^2";
   return p;
 }
 
@@ -257,6 +281,7 @@ FunctionProblem cargo() {
   };
   p.optimum = -501760;
   p.residuals = FunctionResiduals{p.optimum};
+  p.objective = "-0.4*(x2+x3-1.5e5)*(x1+1)^2";
   return p;
 }
 

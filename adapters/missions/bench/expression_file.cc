@@ -14,9 +14,8 @@
 #include <utility>
 
 #include "adapters/formats/files/input_error.h"
-#include "problems/expression.h"
-#include "problems/function_problem.h"
-#include "solvers/typical_change.h"
+#include "adapters/missions/bench/stated_problem.h"
+#include "problems/stated_programme.h"
 
 namespace prospect {
 namespace {
@@ -24,8 +23,6 @@ namespace {
 namespace fs = std::filesystem;
 using UnorderedJson = nlohmann::json;
 
-constexpr double kFarBound = 100.0;  // beyond the start, where none is stated
-constexpr double kEqualityBand = 1e-6;
 constexpr int kMostVariables = 1000;
 constexpr double kNoBound = std::numeric_limits<double>::infinity();
 
@@ -116,101 +113,35 @@ class Entry {
   const UnorderedJson& json_;
 };
 
-/// c(x) as rows factor * expression + shift >= 0.
-struct Row {
-  Expression expression;
-  double factor, shift;
-};
-
-/// What a typical change of the variables changes the expression by, or its value, if that is more,
-/// at points around the start: the unit of an equality, of which a band is a share. 1 where that is
-/// a plain unit everywhere.
-double unit_of(const Expression& h, const FunctionProblem& p) {
-  const Eigen::VectorXd start = p.start.cwiseMax(p.lower).cwiseMin(p.upper);
-  const Eigen::VectorXd s = typical_change(start, p.lower, p.upper);
-  double largest = 0.0, least = std::numeric_limits<double>::infinity();
-  for (const double share : {0.0, -1.0, -0.3, 0.2, 0.7}) {
-    const Eigen::VectorXd x = (start + share * s).cwiseMax(p.lower).cwiseMin(p.upper);
-    const double change = h.gradient(x).cwiseProduct(s).lpNorm<Eigen::Infinity>();
-    const double size = std::max(std::abs(h.value(x)), change);
-    if (!std::isfinite(size) || size == 0.0) continue;
-    largest = std::max(largest, size);
-    least = std::min(least, size);
-  }
-  if (largest > 0.0 && largest < kSmallestUnit) return largest;
-  return std::isfinite(least) && least > kLargestUnit ? least : 1.0;
-}
-
 BenchProblem read_function_problem(const std::string& path, std::size_t index,
                                    const UnorderedJson& json) {
   Entry entry(path + ": problem " + std::to_string(index + 1), json);
-  FunctionProblem p;
-  p.name = entry.text("name");
-  entry.name(p.name);
+  const std::string name = entry.text("name");
+  entry.name(name);
   entry.check_entries({"x0", "lower", "upper", "inequalities_nonneg", "equalities_zero"});
   const double variables = entry.number("n");
   const int n = static_cast<int>(std::clamp(variables, 0.0, 1e6));
   if (n < 1 || n > kMostVariables || n != variables) {
     entry.fail("n is no such number", "a whole number from 1 to " + std::to_string(kMostVariables));
   }
-  p.start = entry.numbers("x0", n, 0.0, false);
+  const Eigen::VectorXd start = entry.numbers("x0", n, 0.0, false);
   const Eigen::VectorXd lower = entry.numbers("lower", n, -kNoBound, true);
   const Eigen::VectorXd upper = entry.numbers("upper", n, kNoBound, true);
-  const double from = p.start.cwiseAbs().maxCoeff();
-  const auto bound = [lower, upper, from](FunctionProblem& of, double far) {
-    of.lower = lower;
-    of.upper = upper;
-    for (Eigen::Index i = 0; i < lower.size(); ++i) {
-      // What is stated may be farther out than the start.
-      if (lower[i] == -kNoBound) of.lower[i] = std::min(-from, upper[i]) - far;
-      if (upper[i] == kNoBound) of.upper[i] = std::max(from, lower[i]) + far;
-    }
-  };
-  bound(p, kFarBound);
   for (int i = 0; i < n; ++i) {
-    if (p.lower[i] > p.upper[i]) {
+    if (!(lower[i] <= upper[i])) {
       entry.fail("lower[" + std::to_string(i) + "] is above upper", "lower <= upper");
     }
   }
-  const Expression f = entry.expression("objective", entry.text("objective"), n);
-  p.f = [f](const Eigen::VectorXd& x) { return f.value(x); };
-  p.g = [f](const Eigen::VectorXd& x) { return f.gradient(x); };
-  std::vector<Row> rows;
+  Expression objective = entry.expression("objective", entry.text("objective"), n);
+  StatedProgramme p{name, start, lower, upper, std::move(objective), {}, std::nullopt};
   for (Expression& c : entry.expressions("inequalities_nonneg", n)) {
-    rows.push_back({std::move(c), 1.0, 0.0});
+    p.rows.push_back({std::move(c), 0.0, kNoBound});
   }
-  for (const Expression& h : entry.expressions("equalities_zero", n)) {
-    const double unit = unit_of(h, p);
-    rows.push_back({h, 1.0 / unit, kEqualityBand});
-    rows.push_back({h, -1.0 / unit, kEqualityBand});
+  for (Expression& h : entry.expressions("equalities_zero", n)) {
+    p.rows.push_back({std::move(h), 0.0, 0.0});
   }
-  p.rows = static_cast<int>(rows.size());
-  p.c = [rows](const Eigen::VectorXd& x) {
-    Eigen::VectorXd c(static_cast<Eigen::Index>(rows.size()));
-    for (std::size_t r = 0; r < rows.size(); ++r) {
-      c[static_cast<Eigen::Index>(r)] =
-          rows[r].factor * rows[r].expression.value(x) + rows[r].shift;
-    }
-    return c;
-  };
-  p.J = [rows](const Eigen::VectorXd& x) {
-    Eigen::MatrixXd J(static_cast<Eigen::Index>(rows.size()), x.size());
-    for (std::size_t r = 0; r < rows.size(); ++r) {
-      J.row(static_cast<Eigen::Index>(r)) = rows[r].factor * rows[r].expression.gradient(x);
-    }
-    return J;
-  };
-  BenchProblem made = started(p.name, p.problem(), p.start, entry.number_if_known("f_opt"));
-  for (int i = 0; i < n; ++i) {
-    if (lower[i] == -kNoBound) made.no_lower.push_back(i);
-    if (upper[i] == kNoBound) made.no_upper.push_back(i);
-  }
-  made.with_bounds = [p, bound](double far) {
-    FunctionProblem wider = p;
-    bound(wider, far);
-    return std::make_shared<const Problem>(wider.problem());
-  };
-  return made;
+  p.optimum = entry.number_if_known("f_opt");
+  return stated_problem(std::move(p));
 }
 
 }  // namespace

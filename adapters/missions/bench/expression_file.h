@@ -14,9 +14,7 @@ namespace prospect {
 ///                  "lower": [null, null], "upper": [0.5, null], "f_opt": 306.5}, ...]}
 ///
 /// f_opt is the known optimum; it may be absent or null where nobody knows it. Other entries are
-/// notes; lists are none. What a Problem has not is put in other words:
-///  * a bound that is null becomes 100 below or above, or 100 beyond the start if that is farther;
-///  * an equality h = 0 becomes two inequalities, 1e-6 - h >= 0 and 1e-6 + h >= 0.
+/// notes; lists are none. What a Problem has not is put in other words: stated_problem.h.
 /// Throws InputError in one line that names the file, the problem and the entry.
 ProblemSet read_expression_file(const std::string& path);
 

@@ -17,8 +17,10 @@
 #include "adapters/formats/files/input_error.h"
 #include "adapters/formats/files/whole_file.h"
 #include "adapters/formats/problem_file/problem_file.h"
+#include "adapters/formats/programmes/nl_reader.h"
 #include "adapters/missions/bench/expression_file.h"
 #include "adapters/missions/bench/mission_set.h"
+#include "adapters/missions/bench/stated_problem.h"
 #include "models/nearest_name.h"
 #include "problems/path_problem.h"
 #include "problems/r1.h"
@@ -37,11 +39,13 @@ ProblemSet zoo_set() {
   for (const auto& problems : {zoo::well_scaled(), zoo::badly_scaled()}) {
     for (const FunctionProblem& p : problems) {
       set.problems.push_back(started(p.name, p.problem(), p.start, p.optimum));
+      set.problems.back().stated = std::make_shared<const StatedProgramme>(p.stated());
     }
   }
   PathProblem path = path_problem();
   const Eigen::VectorXd at_rest = Eigen::VectorXd::Zero(path.problem.num_variables());
   set.problems.push_back(started("path past a disc", std::move(path.problem), at_rest, 0.0));
+  set.problems.back().stated = std::make_shared<const StatedProgramme>(std::move(path.stated));
   return set;
 }
 
@@ -51,6 +55,7 @@ ProblemSet s30_set(bool quick) {
   for (std::size_t i = 0; i < starts.size(); i += quick ? 5 : 1) {
     set.problems.push_back(
         started("start " + std::to_string(i), make_r1(starts[i]), r1_cold(), s30_best_known()[i]));
+    set.problems.back().stated = std::make_shared<const StatedProgramme>(r1_stated(starts[i]));
   }
   return set;
 }
@@ -72,6 +77,11 @@ BenchProblem problem_of(const std::string& name, std::shared_ptr<const Problem> 
 
 BenchProblem problem_of_file(const std::string& path, const std::string& name,
                              const TermRegistry& terms) {
+  if (fs::path(path).extension() == ".nl") {
+    StatedProgramme programme = read_nl(path);
+    programme.name = name;
+    return stated_problem(std::move(programme));
+  }
   const ReadProblem read = read_problem(path, terms);
   const std::optional<WarmStart>& warm_start = read.saved.warm_start;
   return problem_of(name, read.problem, read.saved.seeds, warm_start ? &*warm_start : nullptr);
@@ -157,7 +167,8 @@ ProblemSet folder_set(const std::string& path, const TermRegistry& terms) {
   std::error_code error;
   for (fs::recursive_directory_iterator entry(path, error), end; !error && entry != end;
        entry.increment(error)) {
-    if (entry->path().extension() == ".h5" && entry->is_regular_file()) {
+    const fs::path extension = entry->path().extension();
+    if ((extension == ".h5" || extension == ".nl") && entry->is_regular_file()) {
       files.push_back(fs::relative(entry->path(), path).generic_string());
     }
   }
@@ -165,12 +176,16 @@ ProblemSet folder_set(const std::string& path, const TermRegistry& terms) {
     throw InputError(path + ": cannot be read (" + error.message() +
                      "); expected a folder of problem files");
   if (files.empty())
-    throw InputError(path + ": holds no problem file (.h5); expected a folder of problem files");
+    throw InputError(path +
+                     ": holds no problem file (.h5, .nl); expected a folder of problem files");
   std::sort(files.begin(), files.end());
   for (const std::string& file : files) {
     set.files.push_back((fs::path(path) / file).string());
-    set.problems.push_back(
-        problem_of_file(set.files.back(), file.substr(0, file.size() - 3), terms));
+    std::string name = file.substr(0, file.size() - 3);
+    // Of two files of one name the second keeps its extension.
+    const auto taken = [&](const BenchProblem& problem) { return problem.name == name; };
+    if (std::any_of(set.problems.begin(), set.problems.end(), taken)) name = file;
+    set.problems.push_back(problem_of_file(set.files.back(), name, terms));
   }
   read_best_known(set);
   return set;
@@ -272,11 +287,12 @@ ProblemSet make_problem_set(const std::string& text, const Configuration& config
     set.files = {text};
     return set;
   }
-  if (extension == ".h5" || fs::exists(status)) {
+  if (extension == ".h5" || extension == ".nl" || fs::exists(status)) {
     ProblemSet set;
     set.name = fs::path(text).stem().string();
     set.files = {text};
     set.problems.push_back(problem_of_file(text, set.name, registries.terms));
+    if (set.problems.back().stated) set.absolute_tolerance = 0.0;
     return set;
   }
   std::string names;
@@ -286,7 +302,7 @@ ProblemSet make_problem_set(const std::string& text, const Configuration& config
   throw InputError(
       "problem set '" + text + "': no such file or folder" + did_you_mean(text, all) +
       "; expected one of: " + names +
-      "a folder of problem files, a problem file (.h5), problems as expressions (.json)");
+      "a folder of problem files, a problem file (.h5, .nl), problems as expressions (.json)");
 }
 
 void keep_best_known(const ProblemSet& set) {

@@ -13,6 +13,7 @@
 #include "adapters/missions/config/registries.h"
 #include "engine/problem/problem.h"
 #include "engine/problem/solver.h"
+#include "problems/stated_programme.h"
 
 namespace prospect {
 
@@ -28,6 +29,8 @@ struct BenchProblem {
   std::vector<int> no_lower, no_upper;
   /// The problem with these bounds `far` beyond the start.
   std::function<std::shared_ptr<const Problem>(double far)> with_bounds;
+  /// The same as expressions; null where nothing states it so, as a problem with a map.
+  std::shared_ptr<const StatedProgramme> stated;
 };
 
 /// A problem that starts at x.
@@ -61,12 +64,12 @@ std::vector<std::string> builtin_set_names();
 /// One line on a built-in set; "" for an unknown name.
 std::string builtin_set_summary(const std::string& name);
 
-/// A set by name or path: a built-in one; one of `registries`; a problem file (.h5); a folder of
-/// problem files, with the best costs known in best_known.json beside them, if it is there; a file
-/// of problems stated as expressions (.json, expression_file.h). `quick`: of a built-in set a share
-/// that is solved in seconds. `configuration` of the missions, `registries`: what it and problem
-/// files may name. `watch`: of missions, which are driven first; a set that was cancelled lacks
-/// problems. Throws InputError in one line, also for a folder of which one file is damaged.
+/// A set by name or path: a built-in one; one of `registries`; a problem file (.h5, .nl); a folder
+/// of problem files, with the best costs known in best_known.json beside them, if it is there; a
+/// file of problems stated as expressions (.json, expression_file.h). `quick`: of a built-in set a
+/// share that is solved in seconds. `configuration` of the missions, `registries`: what it and
+/// problem files may name. `watch`: of missions, which are driven first; a set that was cancelled
+/// lacks problems. Throws InputError in one line, also for a folder of which one file is damaged.
 ProblemSet make_problem_set(const std::string& text, const Configuration& configuration,
                             const Registries& registries, bool quick,
                             const CaptureWatch& watch = {});

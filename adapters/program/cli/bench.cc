@@ -339,10 +339,11 @@ Command bench_command(CLI::App& program) {
   CLI::App* command = program.add_subcommand(
       "bench", "Whole sets of problems by several back ends: who solves what, and how fast");
   command
-      ->add_option("set", arguments.sets,
-                   "Built-in set (see `prospect list sets`), folder of problem files, "
-                   "problem file, file of problems as expressions (.json) [all built-in sets]; "
-                   "or `merge` or `compare` and the folders of benches")
+      ->add_option(
+          "set", arguments.sets,
+          "Built-in set (see `prospect list sets`), folder of problem files, "
+          "problem file, .nl, file of problems as expressions (.json) [all built-in sets]; "
+          "or `merge` or `compare` and the folders of benches")
       ->type_name("SET");
   add_configuration(command, arguments.configuration, " of the missions of the set missions");
   command

@@ -18,6 +18,7 @@
 #include "adapters/program/cli/commands.h"
 #include "adapters/program/cli/common_options.h"
 #include "adapters/program/cli/configuration_arguments.h"
+#include "adapters/program/cli/export_problems.h"
 #include "adapters/program/cli/interrupt.h"
 #include "adapters/program/cli/progress.h"
 #include "adapters/program/cli/told_world.h"
@@ -29,8 +30,11 @@ namespace prospect {
 namespace {
 
 struct ExportArguments {
-  std::string world = "office";
-  std::string sdf;  ///< file
+  std::string what = "office";  ///< a world; with `to` a problem file or a set
+  std::string sdf;              ///< file
+  std::string to;               ///< a format of problems
+  std::string folder;           ///< for them
+  bool seeded = false;
   ConfigurationArguments configuration;
   std::uint64_t seed = 1;  ///< of the marks on surfaces, as in a mission
 };
@@ -84,16 +88,16 @@ int export_world(const ExportArguments& arguments, const Registries& registries,
       read_told(arguments.configuration, registries, ConfigurationUse::kExport);
   Progress progress;
   const std::shared_ptr<const World> world =
-      told_world(arguments.world, configuration, ConfigurationUse::kExport, progress);
-  progress.show("surfaces of " + arguments.world);
+      told_world(arguments.what, configuration, ConfigurationUse::kExport, progress);
+  progress.show("surfaces of " + arguments.what);
   configuration.simulator.seed = arguments.seed;
   const fs::path folder = sdf.has_parent_path() ? sdf.parent_path() : fs::path(".");
   Files files;
   try {
-    files = world->mesh ? with_robot(arguments.world, *world, configuration, sdf)
+    files = world->mesh ? with_robot(arguments.what, *world, configuration, sdf)
                         : files_of(*world, configuration, name);
   } catch (const std::invalid_argument& error) {
-    throw InputError(arguments.world + ": " + error.what());
+    throw InputError(arguments.what + ": " + error.what());
   }
   progress.finish();
   signals.note();  // what is written now is written whole
@@ -113,26 +117,62 @@ int export_world(const ExportArguments& arguments, const Registries& registries,
   return kDone;
 }
 
+int export_told(const ExportArguments& arguments, const Registries& registries,
+                SignalGuard& signals) {
+  if (arguments.to.empty() == arguments.sdf.empty()) {
+    throw InputError(arguments.to.empty()
+                         ? "export: to what?; expected --sdf FILE of a world, or --to c, nl or "
+                           "casadi of problems"
+                         : "--to: beside --sdf; expected one of them");
+  }
+  if (!arguments.to.empty()) {
+    if (!arguments.configuration.empty() || arguments.seeded) {
+      throw InputError("--to: beside options of a world; expected --out at most");
+    }
+    return export_problems(
+        {arguments.what, arguments.to, arguments.folder.empty() ? "." : arguments.folder},
+        registries, signals);
+  }
+  if (!arguments.folder.empty()) {
+    throw InputError("--out: beside --sdf, which says where; expected --to");
+  }
+  return export_world(arguments, registries, signals);
+}
+
 }  // namespace
 
 Command export_command(CLI::App& program) {
   const auto given = std::make_shared<ExportArguments>();
   ExportArguments& arguments = *given;
   CLI::App* command = program.add_subcommand(
-      "export", "A world with the robot in it, for Gazebo 11: SDF, surfaces, textures");
-  command->add_option("world", arguments.world, "As explore takes it, but no mesh file")
+      "export",
+      "A world with the robot in it, for Gazebo 11; or problems for other people's solvers");
+  command
+      ->add_option("world", arguments.what,
+                   "With --sdf a world, as explore takes it, but no mesh file; with --to a "
+                   "problem file or a set of problems, as bench takes it")
       ->type_name("WORLD")
       ->capture_default_str();
-  command->add_option("--sdf", arguments.sdf, "File to write; others go beside it")
-      ->type_name("FILE")
-      ->required();
+  command
+      ->add_option("--sdf", arguments.sdf,
+                   "File to write: the world as SDF; surfaces and textures go beside it")
+      ->type_name("FILE");
+  command
+      ->add_option("--to", arguments.to,
+                   "Problems as C with the interface of CasADi's external functions, as AMPL's "
+                   "text form (.nl), or as Python that builds them with CasADi")
+      ->type_name("FORMAT")
+      ->check(CLI::IsMember({"c", "nl", "casadi"}));
+  command->add_option("--out", arguments.folder, "With --to: folder to write to [.]")
+      ->type_name("DIR");
   add_configuration(command, arguments.configuration);
   add_world_keys(command, arguments.configuration);
-  command->add_option("--seed", arguments.seed, "Of the marks on surfaces")
-      ->check(whole_number_within(0, std::numeric_limits<std::uint64_t>::max()))
-      ->capture_default_str();
-  return {command, [given](const Invocation& in) {
-            return export_world(*given, in.registries, in.signals);
+  CLI::Option* seed = command->add_option("--seed", arguments.seed, "Of the marks on surfaces")
+                          ->check(whole_number_within(0, std::numeric_limits<std::uint64_t>::max()))
+                          ->capture_default_str();
+  return {command, [given, seed](const Invocation& in) {
+            given->seeded = seed->count() > 0;
+            return export_told(*given, in.registries, in.signals);
           }};
 }
 

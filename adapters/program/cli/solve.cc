@@ -17,10 +17,12 @@
 
 #include "adapters/formats/files/input_error.h"
 #include "adapters/formats/problem_file/problem_file.h"
+#include "adapters/formats/programmes/nl_reader.h"
 #include "adapters/missions/bench/bench_table.h"
 #include "adapters/missions/bench/expression_file.h"
 #include "adapters/missions/bench/solver_choice.h"
 #include "adapters/missions/bench/stated_bounds.h"
+#include "adapters/missions/bench/stated_problem.h"
 #include "adapters/missions/config/configuration.h"
 #include "adapters/missions/run/exploration_run.h"
 #include "adapters/program/cli/absent_solver.h"
@@ -49,6 +51,11 @@ struct SolveArguments {
 
 /// The problem file `path`.
 BenchProblem load(const std::string& path, const TermRegistry& terms) {
+  if (std::filesystem::path(path).extension() == ".nl") {
+    StatedProgramme programme = read_nl(path);
+    programme.name = path;
+    return stated_problem(std::move(programme));
+  }
   ReadProblem read = read_problem(path, terms);
   BenchProblem named;
   named.name = path;
@@ -79,7 +86,9 @@ int step_of(const std::string& text) {
   if (step >= 0) return step;
   const std::filesystem::path path(text);
   std::error_code ignored;
-  if (path.extension() == ".h5" || std::filesystem::exists(path, ignored)) return -1;
+  if (path.extension() == ".h5" || path.extension() == ".nl" ||
+      std::filesystem::exists(path, ignored))
+    return -1;
   throw InputError("problem '" + text +
                    "': no such file and no planning step; expected WORLD@STEP, e.g. office@40, "
                    "a problem file or a file of expressions (.json)");
@@ -294,7 +303,7 @@ Command solve_command(CLI::App& program) {
   command
       ->add_option(
           "problem", arguments.problems,
-          "Problem file (explore --save-problems), file of problems as expressions (.json), "
+          "Problem file (explore --save-problems), .nl, file of problems as expressions (.json), "
           "or WORLD@STEP: the problem that a mission in WORLD meets at planning step STEP")
       ->type_name("PROBLEM")
       ->required();
