@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <iomanip>
 #include <sstream>
@@ -39,16 +40,18 @@ inline CalledC called_c(const std::string& folder, const std::string& name,
   const std::string stem = folder + "/" + name;
   const std::string flags = "cc -O2 -std=c99 -Wall -Wextra -Wpedantic -Werror ";
   run_command(flags + "-shared -fPIC " + stem + ".c -o " + stem + ".so " + options);
-  run_command(flags +
-              "-D_DEFAULT_SOURCE " PROSPECT_SOURCE_DIR "/tests/adapters/call_external.c -o " +
-              folder + "/call -ldl");
+  const std::string call = folder + "/call";
+  if (!std::filesystem::exists(call)) {
+    run_command(flags +
+                "-D_DEFAULT_SOURCE " PROSPECT_SOURCE_DIR "/tests/adapters/call_external.c -o " +
+                call + " -ldl");
+  }
   {
     std::ofstream file(stem + ".points");
     file << std::setprecision(17) << points.size() << '\n';
     for (const Eigen::VectorXd& x : points) file << x.transpose() << '\n';
   }
-  run_command(folder + "/call " + stem + ".so " + symbol + " < " + stem + ".points > " + stem +
-              ".values");
+  run_command(call + " " + stem + ".so " + symbol + " < " + stem + ".points > " + stem + ".values");
   CalledC called;
   std::ifstream values(stem + ".values");
   const auto vector = [&](int size) {

@@ -88,6 +88,17 @@ foreach(example riccati)
   message(STATUS "${example}:\n${output}")
 endforeach()
 
+# A problem in C, compiled by the line that the program prints: it finds the library where that was moved to.
+run("${prefix}/bin/prospect" explore office --until 5m2 --quiet --save-problems 1 --out "${WORK}/run")
+run("${prefix}/bin/prospect" export "${WORK}/run/problems/step_000000.h5" --to c --out "${WORK}/in C")
+string(REGEX MATCH "cc [^\n]*" line "${output}")
+run(sh -c "${line}")
+run(ldd "${WORK}/in C/step_000000.so")
+string(FIND "${output}" "libprospect_external.so => ${prefix}/" at)
+if(at EQUAL -1)
+  message(FATAL_ERROR "'${line}' makes what does not find its library:\n${output}")
+endif()
+
 # A plug-in as no page builds it: not optimised.
 set(slow "${WORK}/user_term not optimised")
 run(${CMAKE_COMMAND} -S "${EXAMPLES}/user_term" -B "${slow}" ${consumer} -DCMAKE_BUILD_TYPE=Debug)

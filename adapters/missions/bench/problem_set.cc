@@ -39,13 +39,13 @@ ProblemSet zoo_set() {
   for (const auto& problems : {zoo::well_scaled(), zoo::badly_scaled()}) {
     for (const FunctionProblem& p : problems) {
       set.problems.push_back(started(p.name, p.problem(), p.start, p.optimum));
-      set.problems.back().stated = std::make_shared<const StatedProgramme>(p.stated());
+      set.problems.back().stated = [p] { return p.stated(); };
     }
   }
   PathProblem path = path_problem();
   const Eigen::VectorXd at_rest = Eigen::VectorXd::Zero(path.problem.num_variables());
   set.problems.push_back(started("path past a disc", std::move(path.problem), at_rest, 0.0));
-  set.problems.back().stated = std::make_shared<const StatedProgramme>(std::move(path.stated));
+  set.problems.back().stated = [stated = std::move(path.stated)] { return stated; };
   return set;
 }
 
@@ -55,7 +55,7 @@ ProblemSet s30_set(bool quick) {
   for (std::size_t i = 0; i < starts.size(); i += quick ? 5 : 1) {
     set.problems.push_back(
         started("start " + std::to_string(i), make_r1(starts[i]), r1_cold(), s30_best_known()[i]));
-    set.problems.back().stated = std::make_shared<const StatedProgramme>(r1_stated(starts[i]));
+    set.problems.back().stated = [x0 = starts[i]] { return r1_stated(x0); };
   }
   return set;
 }
@@ -187,6 +187,9 @@ ProblemSet folder_set(const std::string& path, const TermRegistry& terms) {
     if (std::any_of(set.problems.begin(), set.problems.end(), taken)) name = file;
     set.problems.push_back(problem_of_file(set.files.back(), name, terms));
   }
+  const bool all_stated = std::all_of(set.problems.begin(), set.problems.end(),
+                                      [](const BenchProblem& p) { return bool(p.stated); });
+  if (all_stated) set.absolute_tolerance = 0.0;  // the unit of their costs is anybody's
   read_best_known(set);
   return set;
 }

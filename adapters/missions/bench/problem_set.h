@@ -29,8 +29,8 @@ struct BenchProblem {
   std::vector<int> no_lower, no_upper;
   /// The problem with these bounds `far` beyond the start.
   std::function<std::shared_ptr<const Problem>(double far)> with_bounds;
-  /// The same as expressions; null where nothing states it so, as a problem with a map.
-  std::shared_ptr<const StatedProgramme> stated;
+  /// Makes the same as expressions; empty where nothing states it so, as a problem with a map.
+  std::function<StatedProgramme()> stated;
 };
 
 /// A problem that starts at x.

@@ -115,7 +115,7 @@ BenchProblem stated_problem(StatedProgramme programme) {
     bound(*stated, far, wider);
     return std::make_shared<const Problem>(wider.problem());
   };
-  made.stated = stated;
+  made.stated = [stated] { return *stated; };
   return made;
 }
 

@@ -191,11 +191,11 @@ int export_problems(const ProblemExport& wanted, const Registries& registries,
       with_library = true;
       add_problem_file(source, problem.start.x, name, comment, wanted.folder, files);
     } else if (wanted.to == "c") {
-      files.push_back({name + ".c", c_text(*problem.stated, name, comment)});
+      files.push_back({name + ".c", c_text(problem.stated(), name, comment)});
     } else if (wanted.to == "nl") {
-      files.push_back({name + ".nl", nl_text(*problem.stated, comment)});
+      files.push_back({name + ".nl", nl_text(problem.stated(), comment)});
     } else {
-      files.push_back({name + ".py", casadi_text(*problem.stated, comment)});
+      files.push_back({name + ".py", casadi_text(problem.stated(), comment)});
     }
   }
   signals.note();  // what is written now is written whole

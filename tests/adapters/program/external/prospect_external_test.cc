@@ -17,6 +17,11 @@
 #include "engine/problem/lifted_problem.h"
 #include "tests/adapters/called_c.h"
 #include "tests/engine/problem_specifications.h"
+#include "tests/not_under_sanitizers.h"
+
+// A plain program in C cannot load a library that was compiled with a sanitizer.
+#define NOT_UNDER_ANY_SANITIZER() \
+  if (under_sanitizers()) GTEST_SKIP() << "a plain program in C loads the library"
 
 namespace prospect::test::prospect_external_test {
 namespace {
@@ -65,6 +70,7 @@ class ProspectExternal : public ::testing::Test {
 };
 
 TEST_F(ProspectExternal, TellsTheValuesOfTheProblemInC) {
+  NOT_UNDER_ANY_SANITIZER();
   const std::vector<Eigen::VectorXd> at = points(100);
   const CalledC called = called_c(folder_, "step_7", "step_7", at, library_);
   ASSERT_EQ(called.n, problem_->num_variables());
@@ -89,6 +95,7 @@ TEST_F(ProspectExternal, TellsTheValuesOfTheProblemInC) {
 }
 
 TEST_F(ProspectExternal, TellsTheSameByStages) {
+  NOT_UNDER_ANY_SANITIZER();
   const LiftedProblem lifted(problem_);
   std::vector<Eigen::VectorXd> at;
   for (const Eigen::VectorXd& z : points(100)) {
@@ -115,6 +122,7 @@ TEST_F(ProspectExternal, TellsTheSameByStages) {
 }
 
 TEST_F(ProspectExternal, FindsTheFileBesideTheLibraryThatWasMoved) {
+  NOT_UNDER_ANY_SANITIZER();
   const std::string moved = folder_ + "/moved";
   fs::create_directories(moved);
   fs::rename(folder_ + "/step_7.h5", moved + "/step_7.h5");
