@@ -21,10 +21,10 @@
 #include <unordered_set>
 #include <vector>
 
+#include "engine/maps/column_levels.h"
 #include "engine/maps/correction.h"
 #include "engine/maps/floor_state.h"
 #include "engine/maps/heading_fit.h"
-#include "engine/maps/levelled_octree.h"
 #include "engine/maps/map_projection.h"
 #include "engine/maps/movers.h"
 #include "engine/maps/pose_error.h"

@@ -16,7 +16,7 @@
 #include <unordered_map>
 #include <utility>
 
-#include "engine/maps/levelled_octree.h"
+#include "engine/maps/column_levels.h"
 #include "models/knobs.h"
 #include "models/parameter_check.h"
 #include "perception/mapping/evidence_table.h"
@@ -63,6 +63,11 @@ struct Heights {
     square += share * (more.square - square + (1.0F - share) * off * off);
     count = all;
   }
+};
+
+class LevelledOcTree : public octomap::OcTree, public ColumnLevels {
+ public:
+  explicit LevelledOcTree(double resolution) : octomap::OcTree(resolution) {}
 };
 
 struct Brick {

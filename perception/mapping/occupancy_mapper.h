@@ -116,7 +116,7 @@ std::string layers_misfit(const OccupancyMapperOptions& options);
 /// Ramps and thresholds (`slopes`). The height of the ground is that of what was met, finer than
 /// voxels: mean and variance of the points in a voxel, of the newest 100. What of it is ground,
 /// FloorJoin says. voxels() and ground() hold each column let down by its level, whole voxels, and
-/// octree() says by how many (levelled_octree.h): heights in them count from the floor, so that a
+/// octree() says by how many (column_levels.h): heights in them count from the floor, so that a
 /// ramp is ground, what stands on it an obstacle, and a gallery over a hall none of the hall's.
 /// What is closed is occupied in ground(). octree() is as things are. In the floor's layers of a
 /// raised column, too, a ray says something of what is occupied only if it ends in them, or went on

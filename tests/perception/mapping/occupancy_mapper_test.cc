@@ -16,8 +16,8 @@
 #include <string>
 #include <vector>
 
+#include "engine/maps/column_levels.h"
 #include "engine/maps/floor_state.h"
-#include "engine/maps/levelled_octree.h"
 #include "tests/not_under_sanitizers.h"
 
 namespace prospect::occupancy_mapper_test {
