@@ -46,10 +46,6 @@ struct FloorSurface {
 /// Ground grows from the flat floor over raised cells, each of which remembers the neighbour that
 /// it joins: where that goes, so does what grew from it, unless it joins another one.
 ///
-/// Level L: by how many layers a column is let down, so that its floor lies where a flat one does.
-///   flat  L = 0;   raised  L = floor((h + kAbove) / r): what is met up to kAbove over the floor is
-///   floor;   none  that of the nearest ground within kSpread cells, else 0.
-///
 /// Closed is
 ///   low    a cell without ground, with a surface that is_low;
 ///   edge   a cell whose ground lies higher than a neighbour's and does not join it; one without
