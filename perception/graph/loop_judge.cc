@@ -327,7 +327,7 @@ bool LoopJudge::give_up_contradicting(const LinearGraph& graph) {
     // S^-1 r, with covariance S^-1.
     const GraphEdge& loop = loops_[used[i]];
     const LinearGraph::Change change = graph.change(loop.a, loop.b);
-    const Matrix6d J = graph.by_b(odometry_.size() + i);
+    const Matrix6d& J = graph.by_b(odometry_.size() + i);
     const Matrix6d S =
         Matrix6d::Identity() - J * graph.covariance(change, graph.response(change)) * J.transpose();
     const Matrix6d S_inverse = S.inverse(), unwhiten = loop.root.inverse();

@@ -47,13 +47,13 @@ EvidenceTable::State EvidenceTable::number(Function f) {
   }
   State nearest = 1;
   float least = std::numeric_limits<float>::infinity();
-  for (State s = 1; s < functions_.size(); ++s) {
+  for (std::size_t s = 1; s < functions_.size(); ++s) {
     const Function& g = functions_[s];
     const float off = std::abs(g.add - f.add) + std::abs(g.low - f.low) +
                       std::abs(g.high - f.high) + std::abs(g.of_unknown - f.of_unknown);
     if (off >= least) continue;
     least = off;
-    nearest = s;
+    nearest = static_cast<State>(s);
   }
   return nearest;
 }

@@ -58,6 +58,7 @@ class EvidenceTable {
   struct Function {
     float add = 0.0F, low = 0.0F, high = 0.0F;
     float of_unknown = 0.0F;  // f(0), or f(miss) after a graze
+    // NOLINTNEXTLINE(modernize-use-nullptr): there is none
     friend auto operator<=>(const Function&, const Function&) = default;
   };
   enum Event { kHit, kMiss };

@@ -258,7 +258,7 @@ GroundPlane search_cloud(const Cloud& cloud, const GroundPrior& prior, const Sea
   bool any = false;
   double needed = options.most_draws;
   for (int n = 0; n < needed; ++n) {
-    const Eigen::Vector3d a = draw(), b = draw(), c = draw();
+    const Eigen::Vector3d &a = draw(), &b = draw(), &c = draw();
     const Eigen::Vector3d cross = (b - a).cross(c - a);
     const double area = cross.norm();
     if (!(area > 1e-4)) continue;

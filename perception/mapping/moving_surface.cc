@@ -36,12 +36,13 @@ std::vector<char> moving_surface(const PinholeCamera& camera, const DepthImage& 
   // Ways along the surface, shortest first, the resting before the moving: whose, and to where.
   using Way = std::tuple<double, int, std::size_t>;
   std::priority_queue<Way, std::vector<Way>, std::greater<>> ways;
+  const int middle = lattice.stride / 2;  // of a stride [px]
   const auto mark = [&](const std::vector<Eigen::Vector3d>& landmarks, int whose) {
     for (const Eigen::Vector3d& p : landmarks) {
       if (!(p.z() > 0.0)) continue;
       const Eigen::Vector2d pixel = camera.project(p);
-      const double column = (pixel.x() - lattice.stride / 2) / lattice.stride;
-      const double row = (pixel.y() - lattice.stride / 2) / lattice.stride;
+      const double column = (pixel.x() - middle) / lattice.stride;
+      const double row = (pixel.y() - middle) / lattice.stride;
       if (!(column > -0.5 && row > -0.5 && column < lattice.columns - 0.5 &&
             row < lattice.rows - 0.5)) {
         continue;

@@ -33,8 +33,9 @@ auto sample_square(const PyramidLevel& level, const Eigen::Vector2f& c, const Ei
     Floats x = Floats::Zero(), y = Floats::Zero();
     Offsets() {
       for (int k = 0; k < kSide * kSide; ++k) {
-        x[k] = static_cast<float>(k % kSide - kHalf);
-        y[k] = static_cast<float>(k / kSide - kHalf);
+        const int row = k / kSide, column = k % kSide;
+        x[k] = static_cast<float>(column - kHalf);
+        y[k] = static_cast<float>(row - kHalf);
       }
     }
   };

@@ -102,7 +102,7 @@ std::vector<StereoMatch> match_stereo(const ImagePyramid& left, const ImagePyram
     const auto back = std::max_element(backward.values.begin(), backward.values.end());
     if (std::abs(back_first + static_cast<int>(back - backward.values.begin()) - u) > 1) continue;
 
-    const Eigen::Vector2f centre = points[i];
+    const Eigen::Vector2f& centre = points[i];
     const auto patch = Patch::make(L, centre, Eigen::Matrix2f::Identity(), 0.5f);
     if (!patch) continue;
     const Eigen::Vector2f start(static_cast<float>(x) + centre.x() - u, centre.y());

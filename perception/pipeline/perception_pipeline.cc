@@ -150,7 +150,7 @@ PerceptionPipeline::PerceptionPipeline(std::unique_ptr<Odometry> odometry,
     straight_ = std::make_unique<StraightMap>(
         map_, options.start_in_space ? body_pose(*options.start_in_space) : options.start);
   }
-  ScanMapper(scans_of(options), map_);  // says what is wrong with them now
+  const ScanMapper checked(scans_of(options), map_);  // says what is wrong with them now
   if (options.depth_camera) options_.more_depth_cameras.emplace(0, *options.depth_camera);
   for (const auto& [sensor, on_body] : options_.more_depth_cameras) {
     validate(on_body.mount);

@@ -129,6 +129,8 @@ constexpr std::array kRows = {
     KeyRow{"perception.mapping", [](const KeyReader& r) { return mission(r) || map(r); },
            "no map is made; expected it with prospect map"},
     KeyRow{"perception.mapping.offset_quadratic", own_accuracy, kPair},
+    KeyRow{"perception.mapping.slopes", [](const KeyReader& r) { return modelled(r) || map(r); },
+           "of poses that follow ramps; expected simulator.sensors: model, or prospect map"},
     KeyRow{"perception.depth_mapping",
            [](const KeyReader& r) {
              return (perceives(r) && r.depth.value_or(true)) || map_of_images(r);

@@ -161,6 +161,7 @@ void add_simulator(Text& text, const Configuration& c) {
   }
   PerceptionOptions perception = c.perception;
   perception.scan_mapping = {};
+  perception.mapping.slopes = false;  // mapping_options()
   perception.pose_degraded = perception.pose_lost = 0.0;
   if (perception.wheels) {
     text.add_all(o.wheels);
