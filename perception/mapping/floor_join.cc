@@ -59,7 +59,10 @@ FloorJoin::Spot& FloorJoin::spot(Cell c) {
   return *find(c);
 }
 
-double FloorJoin::most_rise() const { return std::max(step_, kSteepest * M_SQRT2 * r_ + kUneven); }
+double FloorJoin::most_rise() const {
+  const double way = M_SQRT2 * r_;
+  return std::max(step_, kSteepest * way + unevenness(way));
+}
 
 float FloorJoin::height(Cell c) const {
   const Spot* s = find(c);

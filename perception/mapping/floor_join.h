@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -17,14 +18,14 @@ namespace prospect {
 /// The steepest ramp that is ground [m a metre]: 8 degrees.
 inline constexpr double kSteepest = 0.1405408;
 
-/// [m] by which a ramp is uneven, or is seen to be: over a metre half of what tells 8 degrees from
-/// 12. Our choice.
-inline constexpr double kUneven = 0.03;
+/// [m] by which a ramp is uneven over a way [m], or is seen to be: over a metre half of what tells
+/// 8 degrees from 12, and between neighbours less than a kerb. Our choice.
+constexpr double unevenness(double way) { return 0.03 * std::min(1.0, way / 0.3); }
 
 /// Whether floors join that lie `rise` [m] apart in height and `way` [m] on the ground: by no more
 /// than a step, or than the steepest ramp rises on that way.
 constexpr bool joins(double rise, double way, double step) {
-  return rise <= std::max(step, kSteepest * way + kUneven) + 1e-9;
+  return rise <= std::max(step, kSteepest * way + unevenness(way)) + 1e-9;
 }
 
 /// A surface with room above.

@@ -803,7 +803,7 @@ cmp -s <(head -c 8 read.png) <(printf '\x89PNG\r\n\x1a\n') || fail "read.png is 
 refused "a picture of unknown form" "--picture: 'read.gif'" "expected a file that ends in .png" inspect drawn.pgm --picture read.gif
 refused "a picture of no world" "nowhere.pgm" "expected" inspect nowhere.pgm --picture nothing.png
 [[ ! -e nothing.png ]] || fail "a picture of no world was written"
-timed_out "a plan without a scale" explore drawn.pgm --time-limit 1 --quiet --out run --unknown free
+timed_out "a plan without a scale" explore drawn.pgm --time-limit 1 --quiet --out drawn --unknown free
 [[ "$(<err.txt)" == *"drawn: taken for 0.05 m a pixel (--resolution says otherwise), so 3 x 2 m"* ]] || fail "an assumed scale is not told: '$(<err.txt)'"
 
 succeeds "report of a run" report first --figure path,map --out figures
@@ -859,7 +859,7 @@ cp first/steps.csv cut_page
 refused "a page that is cut" cut_page/report.html: "expected the report.html of a mission" report first cut_page --out run
 refused "a run that was killed" killed/report.html: "expected a mission that came to its end" report first killed --out run
 refused "figures of two runs" "--figure" "expected two runs alone" report first second --figure map --out run
-refused "three runs" "report" "expected" report first second first
+refused "three runs" "run:" "At Most 2 required" report first second first
 refused "report without a figure" first/report.html "expected --figure path, map" report first
 refused "report of an unknown figure" "'pth' (did you mean 'path'?)" "expected one of: path, map" report first --figure map,pth --out run
 refused "report in an unknown format" "'gif'" "expected one of: svg, png, pdf, pgf" report first --figure map --format gif --out run

@@ -103,6 +103,7 @@ std::string own_program() {
   const std::filesystem::path told = std::filesystem::read_symlink("/proc/self/exe", error);
   if (!error) return told.string();
   // A machine in a folder may lack /proc: as the kernel was asked for it.
+  // NOLINTNEXTLINE(performance-no-int-to-ptr): that is how the kernel tells it
   const auto* asked = reinterpret_cast<const char*>(::getauxval(AT_EXECFN));
   const std::filesystem::path program = asked != nullptr ? asked : "";
   const std::filesystem::path whole = std::filesystem::absolute(program, error);

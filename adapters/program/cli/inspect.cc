@@ -39,22 +39,22 @@ struct InspectArguments {
 };
 
 /// What a body meets in each column of a world.
-GroundMap columns_of(const World& world, const BodySlice& slice) {
+Grid<CellState> columns_of(const World& world, const BodySlice& slice) {
   const VoxelGrid& voxels = world.voxels;
   const double r = voxels.resolution();
   const Grid<std::uint8_t> free = free_columns(voxels, slice);
   const int low = std::max(voxels.k0(), static_cast<int>(std::floor(slice.z_min / r)));
   const int top =
       std::min(voxels.k0() + voxels.depth(), static_cast<int>(std::ceil(slice.z_max / r)));
-  GroundMap ground(voxels.frame());
+  Grid<CellState> ground(voxels.frame(), CellState::kUnknown);
   for (int n = 0; n < voxels.frame().size(); ++n) {
     const Cell c = voxels.frame().at(n);
     if (free[c] != 0) {
-      ground.set(c, CellState::kFree);
+      ground[c] = CellState::kFree;
       continue;
     }
     for (int k = low; k < top; ++k) {
-      if (voxels.state(c.i, c.j, k) == CellState::kOccupied) ground.set(c, CellState::kOccupied);
+      if (voxels.state(c.i, c.j, k) == CellState::kOccupied) ground[c] = CellState::kOccupied;
     }
   }
   return ground;

@@ -7,6 +7,7 @@
 #include <limits>
 #include <map>
 #include <sstream>
+#include <utility>
 
 namespace prospect {
 namespace {
@@ -66,11 +67,11 @@ Bounds extent_of(const GroundMap& map) {
   return box;
 }
 
-/// The cells of one state as few rectangles: runs of a row, joined with equal runs of the rows
+/// The cells that are chosen as few rectangles: runs of a row, joined with equal runs of the rows
 /// below.
-std::vector<Drawing::Rectangle> areas_of(const GroundMap& map, CellState state,
+template <typename Chosen>
+std::vector<Drawing::Rectangle> areas_of(const GridFrame& f, const Chosen& chosen,
                                          const Placement& at) {
-  const GridFrame& f = map.frame();
   struct Run {
     int end, j0;
   };
@@ -84,9 +85,9 @@ std::vector<Drawing::Rectangle> areas_of(const GroundMap& map, CellState state,
   for (int j = f.j0; j <= f.j0 + f.height; ++j) {
     std::map<int, Run> row;
     for (int i = f.i0; j < f.j0 + f.height && i < f.i0 + f.width; ++i) {
-      if (map.state({i, j}) != state) continue;
+      if (!chosen(Cell{i, j})) continue;
       const int start = i;
-      while (i < f.i0 + f.width && map.state({i, j}) == state) ++i;
+      while (i < f.i0 + f.width && chosen(Cell{i, j})) ++i;
       row[start] = {i, j};
     }
     for (const auto& [start, run] : open) {
@@ -103,8 +104,11 @@ std::vector<Drawing::Rectangle> areas_of(const GroundMap& map, CellState state,
 }
 
 void draw_map(Drawing& drawing, const GroundMap& map, const Placement& at) {
-  drawing.rectangles(areas_of(map, CellState::kFree, at), kFreeGround);
-  drawing.rectangles(areas_of(map, CellState::kOccupied, at), kOccupiedGround);
+  for (const auto& [state, color] : {std::pair(CellState::kFree, kFreeGround),
+                                     std::pair(CellState::kOccupied, kOccupiedGround)}) {
+    const auto chosen = [&map, state = state](Cell c) { return map.state(c) == state; };
+    drawing.rectangles(areas_of(map.frame(), chosen, at), color);
+  }
 }
 
 std::string metres(double value) {
@@ -333,9 +337,9 @@ Drawing map_figure(const GroundMap& map) {
   return drawing;
 }
 
-Drawing world_figure(const GroundMap& read, const Grid<std::uint8_t>& reachable, const Pose& start,
-                     const std::vector<std::string>& facts) {
-  const GridFrame& f = read.frame();
+Drawing world_figure(const Grid<CellState>& read, const Grid<std::uint8_t>& reachable,
+                     const Pose& start, const std::vector<std::string>& facts) {
+  const GridFrame& f = read.frame;
   const Eigen::Vector2d low = f.resolution * Eigen::Vector2d(f.i0, f.j0);
   const Eigen::Vector2d high = low + f.resolution * Eigen::Vector2d(f.width, f.height);
   Bounds rim;
@@ -353,14 +357,14 @@ Drawing world_figure(const GroundMap& read, const Grid<std::uint8_t>& reachable,
   const std::vector<std::string> lines = wrapped(facts);
   Drawing drawing(kColumn, after + kLine * static_cast<double>(lines.size()) + kMargin);
 
-  GroundMap seen(reachable.frame);
-  for (int n = 0; n < reachable.frame.size(); ++n) {
-    const Cell c = reachable.frame.at(n);
-    if (reachable[c] != 0) seen.set(c, CellState::kFree);
+  for (const auto& [state, color] :
+       {std::pair(CellState::kFree, kFreeGround), std::pair(CellState::kOccupied, kOccupiedGround),
+        std::pair(CellState::kUnknown, kUnknownGround)}) {
+    const auto chosen = [&read, state = state](Cell c) { return read[c] == state; };
+    drawing.rectangles(areas_of(f, chosen, at), color);
   }
-  draw_map(drawing, read, at);
-  drawing.rectangles(areas_of(read, CellState::kUnknown, at), kUnknownGround);
-  drawing.rectangles(areas_of(seen, CellState::kFree, at), kReachableGround);
+  const auto is_seen = [&reachable](Cell c) { return reachable[c] != 0; };
+  drawing.rectangles(areas_of(reachable.frame, is_seen, at), kReachableGround);
   drawing.line({at(low), at({high.x(), low.y()}), at(high), at({low.x(), high.y()}), at(low)}, kInk,
                0.8);
   const Drawing::Point from = at(start.position.head<2>());

@@ -34,8 +34,8 @@ Drawing map_figure(const GroundMap& map);
 /// How a world was read, before a robot drives in it: what is free, occupied and unknown at the
 /// heights of its body, what it could see of it from where it gets to (1 in `reachable`), the rim,
 /// beyond which all is solid, and where it starts. `facts`: sentences below.
-Drawing world_figure(const GroundMap& read, const Grid<std::uint8_t>& reachable, const Pose& start,
-                     const std::vector<std::string>& facts);
+Drawing world_figure(const Grid<CellState>& read, const Grid<std::uint8_t>& reachable,
+                     const Pose& start, const std::vector<std::string>& facts);
 
 /// What stands for the colours of path and map in a page that may be dark
 /// (adapters/views/page/page.css).

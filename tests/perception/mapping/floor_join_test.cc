@@ -74,6 +74,20 @@ TEST(FloorJoin, AThresholdIsGroundUpToTheStep) {
   for (int i = 0; i < 20; ++i) EXPECT_EQ(high.closed({i, 0}), i >= 10 && i <= 12) << i;
 }
 
+// That a ramp is uneven does not lift a kerb over a lower step.
+TEST(FloorJoin, AKerbIsNoGroundOfARobotWithALowerStep) {
+  FloorJoin floor(kR, 1, 0.02);
+  floor.look(all_cells(), [](Cell c, std::vector<FloorSurface>& found) {
+    if (!kFrame.contains(c)) return;
+    const bool kerb = c.i >= 10 && c.i <= 12;
+    found.push_back({kerb ? 0 : -1, kerb ? 0.04 : 0.0, true, kerb});
+  });
+  for (int i = 0; i < 20; ++i) EXPECT_EQ(floor.closed({i, 0}), i >= 10 && i <= 12) << i;
+  FloorJoin ramped(kR, 1, 0.02);
+  ramped.look(all_cells(), surfaces_along_x([](double x) { return ramp(x, 8.0); }));
+  EXPECT_EQ(closed_cells(ramped), 0);
+}
+
 TEST(FloorJoin, AnEdgeClosesTheCellAboveItAlone) {
   // Up a ramp, over a platform, down the edge of its end.
   const FloorJoin dock =

@@ -86,7 +86,7 @@ TEST(Divergence, StepsOfARecordAreThoseOfItsTable) {
   EXPECT_EQ(first_divergence(steps, steps).step, -1);
   // A program of before told neither modes nor targets.
   const DrivenSteps old = driven_steps(StepTable::parse(
-      "time,estimated_x,estimated_y,estimated_yaw\n0,1,2,3\n0.5,1.5,2,3\n", "steps.csv"));
+      "step,time,estimated_x,estimated_y,estimated_yaw\n0,0,1,2,3\n1,0.5,1.5,2,3\n", "steps.csv"));
   EXPECT_EQ(old.mode, (std::vector<std::string>{"", ""}));
   EXPECT_TRUE(std::isnan(old.v[1]));
   EXPECT_EQ(old.x[1], 1.5);

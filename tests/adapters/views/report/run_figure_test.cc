@@ -138,8 +138,9 @@ TEST(RunFigure, ManyModesTakeFurtherLines) {
 TEST(RunFigure, AWorldShowsHowItWasRead) {
   Grid<std::uint8_t> reachable(GridFrame{0.1, 0, 0, 60, 40}, 0);
   for (int i = 1; i < 30; ++i) reachable[{i, 5}] = 1;
-  GroundMap read = room();
-  read.set({50, 20}, CellState::kUnknown);
+  Grid<CellState> read(reachable.frame, CellState::kFree);
+  for (int i = 0; i < 60; ++i) read[{i, 0}] = CellState::kOccupied;
+  read[{50, 20}] = CellState::kUnknown;
   const Pose start{{1.0, 2.0, 0.0}, 0.5 * M_PI};
   const Drawing figure = world_figure(read, reachable, start, {"6 x 4 m"});
   const std::string svg = figure.svg();
