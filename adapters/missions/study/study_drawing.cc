@@ -147,10 +147,9 @@ PanelGrid::PanelGrid(std::size_t panels)
     : below(14.0 + std::ceil(static_cast<double>(panels) / kColumns) * (kHeight + kGapY)) {}
 
 Panel PanelGrid::at(std::size_t panel) const {
-  const auto column = static_cast<double>(panel % kColumns);
-  const auto line = static_cast<double>(panel / kColumns);
-  return {kGapX + column * (kWidth + kGapX),
-          28.0 + line * (kHeight + kGapY),
+  const std::size_t column = panel % kColumns, line = panel / kColumns;
+  return {kGapX + static_cast<double>(column) * (kWidth + kGapX),
+          28.0 + static_cast<double>(line) * (kHeight + kGapY),
           kWidth,
           kHeight,
           0.0,

@@ -17,12 +17,12 @@ namespace prospect {
 
 /// Where the other nodes are, and how DDS reaches them.
 struct DdsAddress {
-  int domain = 0;                  ///< as ROS_DOMAIN_ID, 0 to 232
-  std::string node = "prospect";   ///< name in ROS 2
-  bool loopback = false;           ///< this machine alone, without multicast
-  std::string configuration = "";  ///< file of CycloneDDS's XML; empty: dds_configuration()
-  std::string its_namespace = "";  ///< of the node: "" or "/robot"
-  std::string uri = "";            ///< as CYCLONEDDS_URI: above dds_configuration(); empty: nothing
+  int domain = 0;                 ///< as ROS_DOMAIN_ID, 0 to 232
+  std::string node = "prospect";  ///< name in ROS 2
+  bool loopback = false;          ///< this machine alone, without multicast
+  std::string configuration{};    ///< file of CycloneDDS's XML; empty: dds_configuration()
+  std::string its_namespace{};    ///< of the node: "" or "/robot"
+  std::string uri{};              ///< as CYCLONEDDS_URI: above dds_configuration(); empty: nothing
 };
 
 /// How much is kept and sent again, as profiles of ROS 2. A reader that is less strict than the
