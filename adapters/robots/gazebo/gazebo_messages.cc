@@ -20,6 +20,7 @@ void GazeboImageNoise::add(GazeboPair& pair) const {
     for (std::uint8_t& pixel : image->pixels) {
       const float noisy =
           static_cast<float>(pixel) + static_cast<float>(sigma) * noise.gaussian(number++);
+      // NOLINTNEXTLINE(bugprone-incorrect-roundings): it is not negative
       pixel = static_cast<std::uint8_t>(std::clamp(noisy, 0.0f, 255.0f) + 0.5f);
     }
   }

@@ -195,7 +195,9 @@ Image ImageSensor::image(std::vector<float> grey, const Eigen::Isometry3d& T_WC,
         const float g = sum[static_cast<std::size_t>(u)];
         const float sigma = std::sqrt(read + shot * g);
         const float noisy = g + sigma * noise.gaussian(first + static_cast<std::uint32_t>(u));
+        // NOLINTNEXTLINE(bugprone-incorrect-roundings): it is not negative
         out[u] = static_cast<std::uint8_t>(
+            // NOLINTNEXTLINE(bugprone-incorrect-roundings)
             static_cast<int>(std::min(std::max(noisy, 0.0f), 255.0f) + 0.5f));
       }
     }

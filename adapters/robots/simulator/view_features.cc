@@ -116,7 +116,8 @@ std::vector<Feature> features_in_views(const World& world, const SimulatorOption
   }
   const auto is_confirmed = [&](const Sighting& s) {
     for (int n = 0; n < 27; ++n) {
-      const Eigen::Vector3d aside(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1);
+      const Eigen::Vector3i cell(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1);
+      const Eigen::Vector3d aside = cell.cast<double>();
       const auto at = pictures.find(lattice_cell(s.feature.position + kMerged * aside, kMerged));
       if (at == pictures.end()) continue;
       if (at->second.second || at->second.first != s.picture) return true;

@@ -319,6 +319,7 @@ class Painter {
     }
     Image image(width, height);
     std::transform(grey.begin(), grey.end(), image.pixels.begin(), [](float g) {
+      // NOLINTNEXTLINE(bugprone-incorrect-roundings): it is not negative
       return static_cast<std::uint8_t>(std::clamp(g, 10.0f, 245.0f) + 0.5f);
     });
     return image;
