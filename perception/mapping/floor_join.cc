@@ -13,6 +13,13 @@ constexpr Cell kAround[] = {{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}, 
 Cell beside(Cell c, int d, int steps = 1) {
   return {c.i + steps * kAround[d].i, c.j + steps * kAround[d].j};
 }
+/// Of the tile of `side` cells that holds a cell.
+std::uint64_t tile_key(Cell c, int side) {
+  const auto part = [side](int at) {
+    return static_cast<std::uint64_t>(static_cast<std::uint32_t>(floor_divide(at, side)));
+  };
+  return part(c.i) << 32 | part(c.j);
+}
 double stride(int d) { return d % 2 == 0 ? 1.0 : M_SQRT2; }
 
 }  // namespace
@@ -25,10 +32,7 @@ FloorJoin::FloorJoin(double resolution, int k_body, double step)
       reach_(std::max(1, static_cast<int>(kBaseline / resolution + 1e-9))) {}
 
 FloorJoin::Tile* FloorJoin::tile(Cell c) const {
-  const auto part = [](int at) {
-    return static_cast<std::uint64_t>(static_cast<std::uint32_t>(floor_divide(at, kTile)));
-  };
-  const std::uint64_t at = part(c.i) << 32 | part(c.j);
+  const std::uint64_t at = tile_key(c, kTile);
   if (asked_ && newest_at_ == at) return newest_;
   const auto found = tiles_.find(at);
   asked_ = true;
@@ -50,10 +54,7 @@ FloorJoin::Spot& FloorJoin::spot(Cell c) {
                             Cell{-kSpread, kSpread}, Cell{kSpread, kSpread}}) {
     const Cell at{c.i + corner.i, c.j + corner.j};
     if (tile(at) != nullptr) continue;
-    const auto part = [](int a) {
-      return static_cast<std::uint64_t>(static_cast<std::uint32_t>(floor_divide(a, kTile)));
-    };
-    tiles_.emplace(part(at.i) << 32 | part(at.j), std::make_unique<Tile>());
+    tiles_.emplace(tile_key(at, kTile), std::make_unique<Tile>());
     asked_ = false;
   }
   return *find(c);

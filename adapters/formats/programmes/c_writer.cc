@@ -9,6 +9,7 @@
 
 #include "adapters/formats/programmes/joined_expressions.h"
 #include "adapters/formats/programmes/programme_templates.h"
+#include "models/range_text.h"
 
 namespace prospect {
 namespace {
@@ -35,7 +36,7 @@ std::string whole_table(const std::string& kind, const std::string& name,
 }
 std::string number_of_c(double value) {
   if (std::isinf(value)) return value > 0.0 ? "INFINITY" : "-INFINITY";
-  return exact_number(value);
+  return exact_text(value);
 }
 std::string real_table(const std::string& name, const Eigen::VectorXd& values) {
   return table("double", name, std::vector<double>(values.begin(), values.end()), number_of_c);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "adapters/formats/programmes/joined_expressions.h"
+#include "models/range_text.h"
 
 namespace prospect {
 namespace {
@@ -13,7 +14,7 @@ using Operation = Expression::Operation;
 
 /// A number of Python that is no integer, which would be exact where a float is not.
 std::string python_number(double value) {
-  std::string text = exact_number(value);
+  std::string text = exact_text(value);
   if (text.find_first_of(".en") == std::string::npos) text += ".0";
   return value < 0.0 ? "(" + text + ")" : text;
 }
@@ -57,7 +58,7 @@ class CasadiText {
   void list(const std::string& name, const Eigen::VectorXd& values) {
     text_ += name + " = [";
     for (Eigen::Index i = 0; i < values.size(); ++i) {
-      text_ += (i > 0 ? ", " : "") + exact_number(values[i]);
+      text_ += (i > 0 ? ", " : "") + exact_text(values[i]);
     }
     text_ += "]\n";
   }

@@ -4,10 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <charconv>
 #include <cstdint>
 #include <map>
-#include <string>
 #include <tuple>
 
 namespace prospect {
@@ -67,12 +65,6 @@ JoinedExpressions joined_expressions(const StatedProgramme& programme, int depth
     joined.named[n] = !is_comparison(node.operation) && (uses[n] > 1 || deep[n] >= depth);
   }
   return joined;
-}
-
-std::string exact_number(double value) {
-  std::array<char, 40> text;
-  const auto end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
-  return {text.data(), end};
 }
 
 }  // namespace prospect

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "problems/stated_programme.h"
@@ -19,8 +18,5 @@ struct JoinedExpressions {
 /// Of the objective, then of each row. depth: how deep what has no name may be. Comparisons, whose
 /// values are no numbers in other formats, and numbers and variables have no name.
 JoinedExpressions joined_expressions(const StatedProgramme& programme, int depth);
-
-/// The shortest text that is read as the same number; "inf", "-inf".
-std::string exact_number(double value);
 
 }  // namespace prospect

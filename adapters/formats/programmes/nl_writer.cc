@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "adapters/formats/programmes/joined_expressions.h"
+#include "models/range_text.h"
 
 namespace prospect {
 namespace {
@@ -114,7 +115,7 @@ class NlText {
     expression(joined_.results[0]);
     line("x" + std::to_string(variables_));
     for (int i = 0; i < variables_; ++i) {
-      line(std::to_string(i) + " " + exact_number(p_.start[i]));
+      line(std::to_string(i) + " " + exact_text(p_.start[i]));
     }
     if (!p_.rows.empty()) line("r");
     for (const StatedProgramme::Row& row : p_.rows) bounds(row.lower, row.upper);
@@ -153,13 +154,13 @@ class NlText {
   void bounds(double lower, double upper) {
     const bool below = std::isfinite(lower), above = std::isfinite(upper);
     if (below && lower == upper) {
-      line("4 " + exact_number(lower));
+      line("4 " + exact_text(lower));
     } else if (below && above) {
-      line("0 " + exact_number(lower) + " " + exact_number(upper));
+      line("0 " + exact_text(lower) + " " + exact_text(upper));
     } else if (above) {
-      line("1 " + exact_number(upper));
+      line("1 " + exact_text(upper));
     } else if (below) {
-      line("2 " + exact_number(lower));
+      line("2 " + exact_text(lower));
     } else {
       line("3");
     }
@@ -175,7 +176,7 @@ class NlText {
   }
   void operation(std::size_t i) {
     const Expression::Node& node = joined_.nodes[i];
-    if (node.operation == Operation::kNumber) return line("n" + exact_number(node.number));
+    if (node.operation == Operation::kNumber) return line("n" + exact_text(node.number));
     if (node.operation == Operation::kVariable) return line("v" + std::to_string(node.a));
     line("o" + std::to_string(code_of(node.operation)));
     const int count = Expression::operands(node.operation);

@@ -22,6 +22,7 @@
 #include "adapters/program/cli/interrupt.h"
 #include "adapters/program/cli/progress.h"
 #include "adapters/program/cli/told_world.h"
+#include "adapters/program/cli/written_file.h"
 #include "adapters/robots/gazebo/gazebo_world_file.h"
 #include "adapters/robots/gazebo/robot_in_world.h"
 #include "adapters/robots/simulator/camera_sensors.h"
@@ -108,10 +109,7 @@ int export_world(const ExportArguments& arguments, const Registries& registries,
   // The SDF comes last: where it is, all that it names is.
   for (const auto& [file, content] : files) {
     const std::string path = (folder / file).string();
-    const std::string wrong = out.write(file, content);
-    if (!wrong.empty()) {
-      throw InputError(path + ": cannot be written (" + wrong + "); expected a writable folder");
-    }
+    write_file(out, file, content, path);
     std::printf("%s\n", path.c_str());
   }
   return kDone;

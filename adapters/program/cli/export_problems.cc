@@ -24,6 +24,7 @@
 #include "adapters/missions/bench/problem_set.h"
 #include "adapters/program/cli/command.h"
 #include "adapters/program/cli/shell_words.h"
+#include "adapters/program/cli/written_file.h"
 #include "models/version.h"
 
 namespace prospect {
@@ -205,10 +206,7 @@ int export_problems(const ProblemExport& wanted, const Registries& registries,
   out.claim_all(names);  // all, before the first is written
   for (const OutputFile& file : files) {
     const std::string path = (fs::path(wanted.folder) / file.name).string();
-    const std::string wrong = out.write(file.name, file.content);
-    if (!wrong.empty()) {
-      throw InputError(path + ": cannot be written (" + wrong + "); expected a writable folder");
-    }
+    write_file(out, file.name, file.content, path);
     std::printf("%s\n", path.c_str());
   }
   if (wanted.to == "c") {

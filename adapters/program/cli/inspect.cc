@@ -23,6 +23,7 @@
 #include "adapters/program/cli/interrupt.h"
 #include "adapters/program/cli/progress.h"
 #include "adapters/program/cli/told_world.h"
+#include "adapters/program/cli/written_file.h"
 #include "adapters/views/report/run_figure.h"
 #include "models/formatted.h"
 
@@ -91,11 +92,8 @@ int picture_world(const InspectArguments& arguments, const Registries& registrie
   progress.finish();
   signals.note();
   const std::string folder = file.has_parent_path() ? file.parent_path().string() : ".";
-  const std::string wrong = OutputFolder::beside(folder).write(file.filename().string(), content);
-  if (!wrong.empty()) {
-    throw InputError(arguments.picture + ": cannot be written (" + wrong +
-                     "); expected a writable folder");
-  }
+  OutputFolder out = OutputFolder::beside(folder);
+  write_file(out, file.filename().string(), content, file);
   for (const std::string& fact : facts) std::printf("%s\n", fact.c_str());
   std::printf("%s\n", arguments.picture.c_str());
   return kDone;

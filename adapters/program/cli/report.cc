@@ -18,6 +18,7 @@
 #include "adapters/program/cli/common_options.h"
 #include "adapters/program/cli/interrupt.h"
 #include "adapters/program/cli/progress.h"
+#include "adapters/program/cli/written_file.h"
 #include "adapters/views/report/comparison_page.h"
 #include "adapters/views/report/divergence.h"
 #include "adapters/views/report/figure_source.h"
@@ -39,10 +40,7 @@ bool has(const std::vector<std::string>& words, const std::string& word) {
 
 void write(OutputFolder& folder, const std::string& name, const std::string& content) {
   const std::string file = (std::filesystem::path(folder.path()) / name).string();
-  const std::string wrong = folder.write(name, content);
-  if (!wrong.empty()) {
-    throw InputError(file + ": cannot be written (" + wrong + "); expected a writable folder");
-  }
+  write_file(folder, name, content, file);
   std::printf("%s\n", file.c_str());
 }
 

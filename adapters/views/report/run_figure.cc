@@ -7,7 +7,6 @@
 #include <limits>
 #include <map>
 #include <sstream>
-#include <utility>
 
 namespace prospect {
 namespace {
@@ -103,12 +102,18 @@ std::vector<Drawing::Rectangle> areas_of(const GridFrame& f, const Chosen& chose
   return areas;
 }
 
+/// The cells of one state. state_of(Cell): that of a cell.
+template <typename StateOf>
+void draw_state(Drawing& drawing, const GridFrame& frame, const StateOf& state_of, CellState state,
+                Color color, const Placement& at) {
+  const auto chosen = [&](Cell c) { return state_of(c) == state; };
+  drawing.rectangles(areas_of(frame, chosen, at), color);
+}
+
 void draw_map(Drawing& drawing, const GroundMap& map, const Placement& at) {
-  for (const auto& [state, color] : {std::pair(CellState::kFree, kFreeGround),
-                                     std::pair(CellState::kOccupied, kOccupiedGround)}) {
-    const auto chosen = [&map, state = state](Cell c) { return map.state(c) == state; };
-    drawing.rectangles(areas_of(map.frame(), chosen, at), color);
-  }
+  const auto state_of = [&](Cell c) { return map.state(c); };
+  draw_state(drawing, map.frame(), state_of, CellState::kFree, kFreeGround, at);
+  draw_state(drawing, map.frame(), state_of, CellState::kOccupied, kOccupiedGround, at);
 }
 
 std::string metres(double value) {
@@ -357,12 +362,10 @@ Drawing world_figure(const Grid<CellState>& read, const Grid<std::uint8_t>& reac
   const std::vector<std::string> lines = wrapped(facts);
   Drawing drawing(kColumn, after + kLine * static_cast<double>(lines.size()) + kMargin);
 
-  for (const auto& [state, color] :
-       {std::pair(CellState::kFree, kFreeGround), std::pair(CellState::kOccupied, kOccupiedGround),
-        std::pair(CellState::kUnknown, kUnknownGround)}) {
-    const auto chosen = [&read, state = state](Cell c) { return read[c] == state; };
-    drawing.rectangles(areas_of(f, chosen, at), color);
-  }
+  const auto state_of = [&](Cell c) { return read[c]; };
+  draw_state(drawing, f, state_of, CellState::kFree, kFreeGround, at);
+  draw_state(drawing, f, state_of, CellState::kOccupied, kOccupiedGround, at);
+  draw_state(drawing, f, state_of, CellState::kUnknown, kUnknownGround, at);
   const auto is_seen = [&reachable](Cell c) { return reachable[c] != 0; };
   drawing.rectangles(areas_of(reachable.frame, is_seen, at), kReachableGround);
   drawing.line({at(low), at({high.x(), low.y()}), at(high), at({low.x(), high.y()}), at(low)}, kInk,
