@@ -81,8 +81,9 @@ class FastNode {
                        std::function<void(const std::string&)> take,
                        const std::string& dds_name = "") {
     listeners_.push_back(std::make_unique<Listener>(std::move(take)));
-    subscriber_->create_datareader(topic_of<T>(topic, dds_name),
-                                   made<fast::dds::DataReaderQos>(asked), listeners_.back().get());
+    readers_.push_back(subscriber_->create_datareader(topic_of<T>(topic, dds_name),
+                                                      made<fast::dds::DataReaderQos>(asked),
+                                                      listeners_.back().get()));
   }
   /// The same with the message.
   template <ros::Message T, typename Handle>
@@ -90,6 +91,23 @@ class FastNode {
     subscribe_bytes<T>(topic, asked, [handle = std::move(handle), topic](const std::string& cdr) {
       handle(ros::from_cdr<T>(cdr, topic));
     });
+  }
+  /// Whether each writer has a reader and each reader a writer, as this side knows it: what a
+  /// client of ROS 2 waits for before it asks a service. A sample of a writer it does not know is
+  /// lost.
+  bool connected() const {
+    const auto heard = [](fast::dds::DataWriter* writer) {
+      fast::dds::PublicationMatchedStatus status;
+      writer->get_publication_matched_status(status);
+      return status.current_count > 0;
+    };
+    const auto hears = [](fast::dds::DataReader* reader) {
+      fast::dds::SubscriptionMatchedStatus status;
+      reader->get_subscription_matched_status(status);
+      return status.current_count > 0;
+    };
+    return std::all_of(writers_.begin(), writers_.end(), heard) &&
+           std::all_of(readers_.begin(), readers_.end(), hears);
   }
 
  private:
@@ -163,6 +181,7 @@ class FastNode {
   fast::dds::Publisher* publisher_ = nullptr;
   fast::dds::Subscriber* subscriber_ = nullptr;
   std::vector<fast::dds::DataWriter*> writers_;
+  std::vector<fast::dds::DataReader*> readers_;
   std::vector<std::unique_ptr<Listener>> listeners_;
 };
 
