@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <stdexcept>
 #include <system_error>
 #include <utility>
@@ -21,8 +22,10 @@
 #include "adapters/missions/bench/expression_file.h"
 #include "adapters/missions/bench/mission_set.h"
 #include "adapters/missions/bench/stated_problem.h"
+#include "models/formatted.h"
 #include "models/nearest_name.h"
 #include "problems/path_problem.h"
+#include "problems/quadrotors.h"
 #include "problems/r1.h"
 #include "problems/zoo.h"
 
@@ -56,6 +59,30 @@ ProblemSet s30_set(bool quick) {
     set.problems.push_back(
         started("start " + std::to_string(i), make_r1(starts[i]), r1_cold(), s30_best_known()[i]));
     set.problems.back().stated = [x0 = starts[i]] { return r1_stated(x0); };
+  }
+  return set;
+}
+
+ProblemSet quadrotor_set(bool quick) {
+  ProblemSet set{"quadrotors", "", 0.01, {}, "", {}};
+  const auto add = [&](const std::string& name, Problem problem) {
+    const Eigen::VectorXd hovering = quad_hovering(problem);
+    set.problems.push_back(started(name, std::move(problem), hovering, std::nullopt));
+  };
+  // The wider of the two arcs of starts, every fourth of eighty.
+  for (int i = 0; i < 80; i += quick ? 40 : 4) {
+    const double angle = std::numbers::pi * (i / 79.0 - 0.25);
+    add("nav_circle " + std::to_string(i), quad_nav_circle(angle));
+  }
+  for (const double speed : {1.0, 1.5, 2.0}) {
+    for (int i = 0; i < 10; i += quick ? 5 : 1) {
+      const double place = 0.2 * std::numbers::pi * i;
+      if (!quad_track_begins_free(place)) continue;
+      add(formatted("track_avoid %g %d", speed, i), quad_track_avoid(speed, place));
+    }
+  }
+  for (const int count : {2, 4}) {
+    if (!quick) add("multi_swap " + std::to_string(count), quad_multi_swap(count));
   }
   return set;
 }
@@ -202,6 +229,8 @@ constexpr BuiltinSet kBuiltinSets[] = {
     {"zoo",
      "thirteen small problems with known optima, with and without constraints, two badly scaled"},
     {"s30", "R1, an exploration problem of 40 variables with many basins, from thirty starts"},
+    {"quadrotors",
+     "three problems of others, 46 of 116 to 464 variables, states bounded, hundreds of rows"},
     {"missions", "112 planning problems of missions on eight maps, driven first: takes minutes"},
 };
 
@@ -279,6 +308,7 @@ ProblemSet make_problem_set(const std::string& text, const Configuration& config
                             const Registries& registries, bool quick, const CaptureWatch& watch) {
   if (text == "zoo") return zoo_set();
   if (text == "s30") return s30_set(quick);
+  if (text == "quadrotors") return quadrotor_set(quick);
   if (text == "missions") return mission_set(configuration, registries, quick, watch);
   if (!registries.problems.problems(text).empty()) return named_set(text, registries.problems);
   std::error_code error;

@@ -59,7 +59,7 @@ struct ProblemSet {
 /// cannot be read.
 std::uint64_t problem_set_hash(const ProblemSet& set);
 
-/// zoo, s30, missions.
+/// zoo, s30, quadrotors, missions.
 std::vector<std::string> builtin_set_names();
 /// One line on a built-in set; "" for an unknown name.
 std::string builtin_set_summary(const std::string& name);
