@@ -13,13 +13,8 @@ constexpr Cell kAround[] = {{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}, 
 Cell beside(Cell c, int d, int steps = 1) {
   return {c.i + steps * kAround[d].i, c.j + steps * kAround[d].j};
 }
-/// Of the tile of `side` cells that holds a cell.
-std::uint64_t tile_key(Cell c, int side) {
-  const auto part = [side](int at) {
-    return static_cast<std::uint64_t>(static_cast<std::uint32_t>(floor_divide(at, side)));
-  };
-  return part(c.i) << 32 | part(c.j);
-}
+/// To the cell beside, where rows are `row` cells long.
+std::ptrdiff_t offset(int d, std::ptrdiff_t row) { return kAround[d].j * row + kAround[d].i; }
 double stride(int d) { return d % 2 == 0 ? 1.0 : M_SQRT2; }
 
 }  // namespace
@@ -28,24 +23,28 @@ FloorJoin::FloorJoin(double resolution, int k_body, double step)
     : r_(resolution),
       step_(step),
       highest_(step),
+      most_rise_(
+          std::max(step, kSteepest * (M_SQRT2 * resolution) + unevenness(M_SQRT2 * resolution))),
       k_body_(k_body),
       reach_(std::max(1, static_cast<int>(kBaseline / resolution + 1e-9))) {}
 
-FloorJoin::Tile* FloorJoin::tile(Cell c) const {
-  const std::uint64_t at = tile_key(c, kTile);
-  if (asked_ && newest_at_ == at) return newest_;
-  const auto found = tiles_.find(at);
-  asked_ = true;
-  newest_at_ = at;
-  newest_ = found == tiles_.end() ? nullptr : found->second.get();
-  return newest_;
-}
-
-FloorJoin::Spot* FloorJoin::find(Cell c) const {
-  if (tiles_.empty()) return nullptr;
-  Tile* t = tile(c);
-  if (t == nullptr) return nullptr;
-  return &(*t)[static_cast<std::size_t>((c.j & (kTile - 1)) * kTile + (c.i & (kTile - 1)))];
+void FloorJoin::add_tile(Cell tile) {
+  const int stencil = std::max(reach_, kSpread) + 2;
+  const auto about = [&](int margin) {
+    return GridFrame{r_, tile.i * kTile - margin, tile.j * kTile - margin, kTile + 2 * margin,
+                     kTile + 2 * margin};
+  };
+  if (is_flat()) {
+    spots_ = Grid<Spot>(about(stencil), {});
+  } else if (frame_around_both(spots_.frame, about(stencil)) != spots_.frame) {
+    constexpr int kMargin = 4 * kTile;  // so that it seldom grows
+    spots_.widen(frame_around_both(spots_.frame, about(stencil + kMargin)), {});
+  }
+  for (int j = 0; j < kTile; ++j) {
+    for (int i = 0; i < kTile; ++i) {
+      spots_[{tile.i * kTile + i, tile.j * kTile + j}].here = true;
+    }
+  }
 }
 
 // The spot of a cell that is not flat: all within kSpread have one from now on.
@@ -53,16 +52,9 @@ FloorJoin::Spot& FloorJoin::spot(Cell c) {
   for (const Cell corner : {Cell{-kSpread, -kSpread}, Cell{kSpread, -kSpread},
                             Cell{-kSpread, kSpread}, Cell{kSpread, kSpread}}) {
     const Cell at{c.i + corner.i, c.j + corner.j};
-    if (tile(at) != nullptr) continue;
-    tiles_.emplace(tile_key(at, kTile), std::make_unique<Tile>());
-    asked_ = false;
+    if (find(at) == nullptr) add_tile(tile_of(at));
   }
   return *find(c);
-}
-
-double FloorJoin::most_rise() const {
-  const double way = M_SQRT2 * r_;
-  return std::max(step_, kSteepest * way + unevenness(way));
 }
 
 float FloorJoin::height(Cell c) const {
@@ -72,6 +64,13 @@ float FloorJoin::height(Cell c) const {
 int FloorJoin::level(Cell c) const {
   const Spot* s = find(c);
   return s != nullptr ? s->level : 0;
+}
+void FloorJoin::levels(Cell first, int side, int* into) const {
+  const Spot* s = find(first);
+  for (int j = 0; j < side; ++j) {
+    for (int i = 0; i < side; ++i) into[j * side + i] = s != nullptr ? s[i].level : 0;
+    if (s != nullptr && j + 1 < side) s += spots_.frame.width;
+  }
 }
 bool FloorJoin::closed(Cell c) const {
   const Spot* s = find(c);
@@ -180,7 +179,11 @@ void FloorJoin::review(Cell c) {
         return;
       }
       let_go(c);
+    } else if (found_.empty() && !s->low) {
+      return;
     }
+  } else if (found_.empty()) {
+    return;
   }
   queue_.push_back(c);
 }
@@ -244,16 +247,17 @@ int FloorJoin::level_of(Cell c, const Spot& s) {
     return std::max(0, static_cast<int>(std::floor((s.height + kAbove) / r_)));
   }
   int level = 0, nearest = 2 * kSpread * kSpread + 1;
+  const std::ptrdiff_t here = spots_.frame.index(c), row = spots_.frame.width;
   for (int ring = 1; ring <= kSpread && ring * ring < nearest; ++ring) {
     for (int j = -ring; j <= ring; ++j) {
       const int step = std::abs(j) == ring ? 1 : 2 * ring;
       for (int i = -ring; i <= ring; i += step) {
-        const Cell at{c.i + i, c.j + j};
-        if (i * i + j * j >= nearest || std::isnan(ground(at))) continue;
-        const Spot* other = find(at);
-        if (other == nullptr || other->closed || !is_reached(*other)) continue;
+        const std::ptrdiff_t at = here + j * row + i;
+        if (i * i + j * j >= nearest || std::isnan(ground({c.i + i, c.j + j}, at))) continue;
+        const Spot& other = spots_.data[static_cast<std::size_t>(at)];
+        if (!other.here || other.closed || !is_reached(other)) continue;
         nearest = i * i + j * j;
-        level = other->joined_to == kFlat ? 0 : other->level;
+        level = other.joined_to == kFlat ? 0 : other.level;
       }
     }
   }
@@ -261,10 +265,11 @@ int FloorJoin::level_of(Cell c, const Spot& s) {
 }
 
 bool FloorJoin::is_edge(Cell c, const Spot& s) {
+  const std::ptrdiff_t here = spots_.frame.index(c), row = spots_.frame.width;
   if (!std::isnan(s.height)) {
     if (!(s.height > step_)) return false;
     for (int d = 0; d < 8; ++d) {
-      const double other = ground(beside(c, d));
+      const double other = ground(beside(c, d), here + offset(d, row));
       if (!std::isnan(other) && !joins(s.height - other, r_ * stride(d), step_)) return true;
     }
     return false;
@@ -272,7 +277,7 @@ bool FloorJoin::is_edge(Cell c, const Spot& s) {
   double low = std::numeric_limits<double>::infinity(), high = -low;
   for (int j = -2; j <= 2; ++j) {
     for (int i = -2; i <= 2; ++i) {
-      const double z = ground({c.i + i, c.j + j});
+      const double z = ground({c.i + i, c.j + j}, here + j * row + i);
       if (std::isnan(z)) continue;
       low = std::min(low, z);
       high = std::max(high, z);
@@ -282,12 +287,18 @@ bool FloorJoin::is_edge(Cell c, const Spot& s) {
 }
 
 bool FloorJoin::is_steep(Cell c) {
-  const double here = height(c);
-  std::vector<double> line;
+  const std::ptrdiff_t at_c = spots_.frame.index(c), row = spots_.frame.width;
+  const double here = spots_.data[static_cast<std::size_t>(at_c)].height;
+  std::vector<double>& line = line_;
   for (int d = 0; d < 4; ++d) {
+    const std::ptrdiff_t on = offset(d, row);
     const double way = r_ * stride(d);
     const int reach = std::max(1, static_cast<int>(reach_ / stride(d)));
-    const double next = ground(beside(c, d)), last = ground(beside(c, d + 4));
+    const double next = ground(beside(c, d), at_c + on);
+    const double last = ground(beside(c, d + 4), at_c - on);
+    // Most of what is looked at is nearly level.
+    const double little = 0.49 * kSteepest * way;
+    if (!(std::abs(next - here) > little) && !(std::abs(last - here) > little)) continue;
     const bool goes_on = !std::isnan(next) && joins(std::abs(next - here), way, step_);
     const bool came = !std::isnan(last) && joins(std::abs(last - here), way, step_);
     if (!goes_on && !came) continue;
@@ -298,7 +309,8 @@ bool FloorJoin::is_steep(Cell c) {
     line.assign(1, here);
     const auto extend = [&](int direction) {
       for (int steps = 1; steps <= reach; ++steps) {
-        const double z = ground(beside(c, direction, steps));
+        const double z =
+            ground(beside(c, direction, steps), at_c + (direction < 4 ? steps : -steps) * on);
         if (std::isnan(z) || !joins(std::abs(z - line.back()), way, step_)) break;
         line.push_back(z);
       }
@@ -383,15 +395,17 @@ void FloorJoin::judge() {
   changed_.clear();
   if (moved_.empty()) return;
   std::vector<Cell> listed, shut;
-  const auto note = [&](Cell c) {
-    Spot* s = find(c);
-    if (s == nullptr || s->noted == list_) return;
-    s->noted = list_;
+  const std::ptrdiff_t row = spots_.frame.width;
+  const auto note = [&](Cell c, std::ptrdiff_t at) {
+    Spot& s = spots_.data[static_cast<std::size_t>(at)];
+    if (!s.here || s.noted == list_) return;
+    s.noted = list_;
     listed.push_back(c);
   };
   const auto note_square = [&](Cell c, int reach) {
+    const std::ptrdiff_t at = spots_.frame.index(c);
     for (int j = -reach; j <= reach; ++j) {
-      for (int i = -reach; i <= reach; ++i) note({c.i + i, c.j + j});
+      for (int i = -reach; i <= reach; ++i) note({c.i + i, c.j + j}, at + j * row + i);
     }
   };
   const auto level = [&](Cell c) {
@@ -405,8 +419,11 @@ void FloorJoin::judge() {
   ++list_;
   for (const Cell c : moved_) {
     note_square(c, 2);
+    const std::ptrdiff_t at = spots_.frame.index(c);
     for (int d = 0; d < 8; ++d) {
-      for (int steps = 3; steps <= reach_; ++steps) note(beside(c, d, steps));
+      for (int steps = 3; steps <= reach_; ++steps) {
+        note(beside(c, d, steps), at + steps * offset(d, row));
+      }
     }
   }
   for (const Cell c : listed) {
@@ -421,8 +438,8 @@ void FloorJoin::judge() {
   // What has ground first: others have its level.
   ++list_;
   listed.clear();
-  for (const Cell c : moved_) note(c);
-  for (const Cell c : reached_) note(c);
+  for (const Cell c : moved_) note(c, spots_.frame.index(c));
+  for (const Cell c : reached_) note(c, spots_.frame.index(c));
   for (const Cell c : listed) level(c);
   const std::size_t own = listed.size();
   for (const Cell c : moved_) note_square(c, kSpread);

@@ -2,13 +2,11 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <limits>
-#include <memory>
-#include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "engine/maps/grid.h"
@@ -72,6 +70,7 @@ class FloorJoin {
   static constexpr double kAbove = 0.03;    ///< [m]; our choice: three sigma of a height
   static constexpr double kSettled = 0.01;  ///< [m]; our choice
   static constexpr int kSpread = 5;         ///< [cells]; our choice
+  static constexpr int kTile = 16;          ///< [cells]
 
   /// Calls back with the surfaces of a cell, appended in any order.
   using Surfaces = std::function<void(Cell, std::vector<FloorSurface>&)>;
@@ -85,20 +84,21 @@ class FloorJoin {
   const std::vector<Cell>& changed() const { return changed_; }
 
   /// Nothing is raised or closed anywhere.
-  bool is_flat() const { return tiles_.empty(); }
+  bool is_flat() const { return spots_.data.empty(); }
   /// Whether the cell is near what is not flat: what changes in it is to be looked at.
   bool is_near(Cell c) const { return find(c) != nullptr; }
   /// [m] NaN: none is known, or it is far from what is not flat.
   float height(Cell c) const;
   int level(Cell c) const;
+  /// Of a square of cells from `first` on, row by row, that lies in one tile of kTile.
+  void levels(Cell first, int side, int* into) const;
   bool closed(Cell c) const;
   /// [m] no ground was ever higher.
   double highest() const { return highest_; }
   /// [m] no ground of a cell lies farther than that above all of its neighbours'.
-  double most_rise() const;
+  double most_rise() const { return most_rise_; }
 
  private:
-  static constexpr int kTile = 16;
   static constexpr std::uint8_t kFlat = 8, kNone = 9;  // instead of a direction
 
   struct Spot {
@@ -108,14 +108,25 @@ class FloorJoin {
     std::uint8_t reached_by = kNone;  // the same
     bool looked = false, low = false, closed = false;
     bool own = false;         // the level is that of its own ground
+    bool here = false;        // its tile is near what is not flat
     std::uint32_t noted = 0;  // the newest list that holds it
   };
-  using Tile = std::array<Spot, kTile * kTile>;
 
-  Tile* tile(Cell c) const;
-  Spot* find(Cell c) const;
+  static Cell tile_of(Cell c) { return {floor_divide(c.i, kTile), floor_divide(c.j, kTile)}; }
+  const Spot* find(Cell c) const {
+    if (!spots_.frame.contains(c)) return nullptr;
+    const Spot& s = spots_[c];
+    return s.here ? &s : nullptr;
+  }
+  Spot* find(Cell c) { return const_cast<Spot*>(std::as_const(*this).find(c)); }
+  void add_tile(Cell tile);
   Spot& spot(Cell c);
   float ground(Cell c);
+  /// The same of a cell that is less than a stencil from a tile: `at` in spots_.
+  float ground(Cell c, std::ptrdiff_t at) {
+    const Spot& s = spots_.data[static_cast<std::size_t>(at)];
+    return s.here && s.looked ? s.height : ground(c);
+  }
   const FloorSurface* flat_of(const std::vector<FloorSurface>& found) const;
   const FloorSurface* joining(const std::vector<FloorSurface>& found, double from,
                               double way) const;
@@ -131,16 +142,15 @@ class FloorJoin {
   void reach(const std::vector<Cell>& shut);
   void judge();
 
-  double r_, step_, highest_;
+  double r_, step_, highest_, most_rise_;
   int k_body_, reach_;  // reach: of the baseline [cells]
   const Surfaces* surfaces_ = nullptr;
-  std::unordered_map<std::uint64_t, std::unique_ptr<Tile>> tiles_;
-  mutable bool asked_ = false;  // the tile that was asked for last; null: there is none
-  mutable std::uint64_t newest_at_ = 0;
-  mutable Tile* newest_ = nullptr;
+  /// Of all tiles and more than a stencil about them: what a cell is asked of never lies outside.
+  Grid<Spot> spots_;
   std::uint32_t list_ = 0;
   std::vector<Cell> queue_, moved_, reached_, changed_;
   std::vector<FloorSurface> found_, beside_;
+  std::vector<double> line_;
 };
 
 }  // namespace prospect

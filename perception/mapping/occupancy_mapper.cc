@@ -13,12 +13,12 @@
 #include <limits>
 #include <stdexcept>
 #include <string>
-#include <unordered_map>
 #include <utility>
 
 #include "engine/maps/column_levels.h"
 #include "models/knobs.h"
 #include "models/parameter_check.h"
+#include "perception/mapping/block_table.h"
 #include "perception/mapping/evidence_table.h"
 #include "perception/mapping/floor_join.h"
 #include "perception/mapping/map_evidence.h"
@@ -78,6 +78,7 @@ struct Brick {
   bool dirty[kMirrors] = {};                   // some bit of stale is set, and the mirror lists it
   int bx = 0, by = 0, bz = 0;                  // address / 8
   std::uint64_t order = 0;                     // Morton order of bricks
+  std::uint32_t index = 0, column = 0;         // its own, and of its block of columns
   std::vector<Heights> heights;                // of what was met at z = 0 or above; empty: nothing
 };
 
@@ -89,12 +90,9 @@ struct Columns {  // of an 8 x 8 square of ground cells: counts over layers, of 
   CellState sight[kBrick * kBrick] = {};           // of the voxel at the line of sight
   bool changed[kBrick * kBrick] = {};
   int bx = 0, by = 0;
+  std::uint32_t index = 0;    // its own
+  std::vector<Brick*> stack;  // from the lowest layer that is kept up; null: none there
 };
-
-std::uint64_t pack(int x, int y, int z) {
-  const auto u = [](int v) { return static_cast<std::uint64_t>(v + kKeyOrigin) & 0xFFFFU; };
-  return u(x) | (u(y) << 16) | (u(z) << 32);
-}
 
 // Address of the voxel that holds a coordinate; one on a face, to rounding, is above the face. Else
 // the rays of one plane that lies on a face would be strewn over both layers.
@@ -209,10 +207,8 @@ struct OccupancyMapper::Impl {
   SliceLayers slice;
   bool has_floor = true;  // its layers are kept
 
-  std::unordered_map<std::uint64_t, std::uint32_t> brick_at;
   std::vector<std::unique_ptr<Brick>> bricks;
-  std::unordered_map<std::uint64_t, std::uint32_t> columns_at;
-  std::vector<std::unique_ptr<Columns>> columns;
+  BlockTable<Columns> columns;
   std::vector<std::pair<std::uint32_t, int>> changed_cells;
   std::uint64_t surface = 0;
   MapEvidence* evidence = nullptr;  // what is entered is written down here
@@ -249,9 +245,10 @@ struct OccupancyMapper::Impl {
 
   explicit Impl(const OccupancyMapperOptions& o);
 
+  /// Of layers that are kept.
   Brick& brick(int bx, int by, int bz);
-  std::uint32_t column_block(int bx, int by);
-  void set_value(Brick& b, std::uint32_t index, int m, std::uint32_t column, float value);
+  bool is_kept(int k) const { return k >= k_low && k < k_end; }
+  void set_value(Brick& b, int m, float value);
   /// Writes down that voxel m of a brick was told to have a value.
   void write_told(int bx, int by, int bz, int m, float value);
   void flush_ground();
@@ -273,10 +270,17 @@ struct OccupancyMapper::Impl {
   /// Deeper than what the robot drives down.
   bool is_below_floor(double z) const { return has_floor && z < -options.slice.step; }
   int level(Cell c) const { return floor ? floor->level(c) : 0; }
-  const Brick* find_brick(int i, int j, int k) const;
+  /// Of a block of columns; null: nothing is known there.
+  const Brick* find_brick(const Columns* block, int k) const {
+    return block != nullptr && is_kept(k)
+               ? block->stack[static_cast<std::size_t>((k >> 3) - (k_low >> 3))]
+               : nullptr;
+  }
   bool is_occupied(const Brick& b, int m) const {
     return ((b.known[m >> 6] >> (m & 63)) & 1U) != 0 && b.log_odds[m] >= threshold;
   }
+  /// Of the columns of a brick, whose first one is told.
+  void levels_in(Cell first, int* up) const;
   CellState state(int i, int j, int k) const;
   void note_heights(Brick& b, int m, int k, const Heights& more);
   void surfaces(Cell c, std::vector<FloorSurface>& found) const;
@@ -325,9 +329,16 @@ OccupancyMapper::Impl::Impl(const OccupancyMapperOptions& o) : options(o) {
 }
 
 Brick& OccupancyMapper::Impl::brick(int bx, int by, int bz) {
-  const auto [it, fresh] =
-      brick_at.try_emplace(pack(bx, by, bz), static_cast<std::uint32_t>(bricks.size()));
-  if (fresh) {
+  Columns* block = columns.find({bx, by});
+  if (block == nullptr) {
+    block = &columns.add({bx, by});
+    block->index = static_cast<std::uint32_t>(columns.size() - 1);
+    block->bx = bx;
+    block->by = by;
+    block->stack.resize(static_cast<std::size_t>(((k_end - 1) >> 3) - (k_low >> 3) + 1));
+  }
+  Brick*& at = block->stack[static_cast<std::size_t>(bz - (k_low >> 3))];
+  if (at == nullptr) {
     auto b = std::make_unique<Brick>();
     b->bx = bx;
     b->by = by;
@@ -336,25 +347,15 @@ Brick& OccupancyMapper::Impl::brick(int bx, int by, int bz) {
     b->order = spread_wide(static_cast<std::uint64_t>(bx + kOrigin)) |
                (spread_wide(static_cast<std::uint64_t>(by + kOrigin)) << 1) |
                (spread_wide(static_cast<std::uint64_t>(bz + kOrigin)) << 2);
+    b->index = static_cast<std::uint32_t>(bricks.size());
+    b->column = block->index;
+    at = b.get();
     bricks.push_back(std::move(b));
   }
-  return *bricks[it->second];
+  return *at;
 }
 
-std::uint32_t OccupancyMapper::Impl::column_block(int bx, int by) {
-  const auto [it, fresh] =
-      columns_at.try_emplace(pack(bx, by, 0), static_cast<std::uint32_t>(columns.size()));
-  if (fresh) {
-    auto c = std::make_unique<Columns>();
-    c->bx = bx;
-    c->by = by;
-    columns.push_back(std::move(c));
-  }
-  return it->second;
-}
-
-void OccupancyMapper::Impl::set_value(Brick& b, std::uint32_t index, int m, std::uint32_t column,
-                                      float value) {
+void OccupancyMapper::Impl::set_value(Brick& b, int m, float value) {
   const int word = m >> 6;
   const std::uint64_t bit = std::uint64_t{1} << (m & 63);
   const bool known = (b.known[word] & bit) != 0;
@@ -369,7 +370,7 @@ void OccupancyMapper::Impl::set_value(Brick& b, std::uint32_t index, int m, std:
     b.stale[which][word] |= bit;
     if (!b.dirty[which]) {
       b.dirty[which] = true;
-      mirror[which].dirty.push_back(index);
+      mirror[which].dirty.push_back(b.index);
     }
   }
   if (occupied && (b.surface[word] & bit) == 0) {
@@ -381,9 +382,10 @@ void OccupancyMapper::Impl::set_value(Brick& b, std::uint32_t index, int m, std:
   const bool in_slice = k >= slice.k_low && k <= slice.k_high;
   const bool is_support = k >= slice.floor.k_floor && k < slice.floor.k_body;
   const bool counts = in_slice || is_support || k == slice.k_sight;
-  if (!counts && (!floor || floor->is_flat())) return;
-  Columns& c = *columns[column];
-  const int cell = compact(m) + kBrick * compact(m >> 1);
+  const int x = compact(m), y = compact(m >> 1);
+  if (!counts && !(floor && floor->is_near({b.bx * kBrick + x, b.by * kBrick + y}))) return;
+  Columns& c = columns[b.column];
+  const int cell = x + kBrick * y;
   if (in_slice) {
     c.occupied[cell] = static_cast<std::uint16_t>(c.occupied[cell] + occupied - was_occupied);
     c.free[cell] = static_cast<std::uint16_t>(c.free[cell] + !occupied - was_free);
@@ -397,7 +399,7 @@ void OccupancyMapper::Impl::set_value(Brick& b, std::uint32_t index, int m, std:
   if (k == slice.k_sight) c.sight[cell] = occupied ? CellState::kOccupied : CellState::kFree;
   if (!c.changed[cell]) {
     c.changed[cell] = true;
-    changed_cells.emplace_back(column, cell);
+    changed_cells.emplace_back(b.column, cell);
   }
 }
 
@@ -412,13 +414,17 @@ void OccupancyMapper::Impl::write_told(int bx, int by, int bz, int m, float valu
                     kBrick * bz + z);
 }
 
-const Brick* OccupancyMapper::Impl::find_brick(int i, int j, int k) const {
-  const auto at = brick_at.find(pack(i >> 3, j >> 3, k >> 3));
-  return at == brick_at.end() ? nullptr : bricks[at->second].get();
+void OccupancyMapper::Impl::levels_in(Cell first, int* up) const {
+  static_assert(FloorJoin::kTile % kBrick == 0);
+  if (floor) {
+    floor->levels(first, kBrick, up);
+  } else {
+    std::fill_n(up, kBrick * kBrick, 0);
+  }
 }
 
 CellState OccupancyMapper::Impl::state(int i, int j, int k) const {
-  const Brick* b = find_brick(i, j, k);
+  const Brick* b = find_brick(columns.find({i >> 3, j >> 3}), k);
   const int m = morton(i & 7, j & 7, k & 7);
   if (b == nullptr || ((b->known[m >> 6] >> (m & 63)) & 1U) == 0) return CellState::kUnknown;
   return b->log_odds[m] >= threshold ? CellState::kOccupied : CellState::kFree;
@@ -447,9 +453,10 @@ void OccupancyMapper::Impl::surfaces(Cell c, std::vector<FloorSurface>& found) c
   int k = std::min(k_end - 1, highest + room);
   int occupied_above = k_end + room;  // the lowest
   CellState above = CellState::kUnknown;
-  const Brick* b = find_brick(c.i, c.j, k);
+  const Columns* block = columns.find({c.i >> 3, c.j >> 3});
+  const Brick* b = find_brick(block, k);
   for (; k >= slice.floor.k_floor; --k) {
-    if ((k & 7) == 7) b = find_brick(c.i, c.j, k);
+    if ((k & 7) == 7) b = find_brick(block, k);
     const int m = morton(c.i & 7, c.j & 7, k & 7);
     const bool known = b != nullptr && ((b->known[m >> 6] >> (m & 63)) & 1U) != 0;
     const CellState here = !known                        ? CellState::kUnknown
@@ -482,9 +489,12 @@ void OccupancyMapper::Impl::surfaces(Cell c, std::vector<FloorSurface>& found) c
 bool OccupancyMapper::Impl::is_foot(Cell c, int k, int above) const {
   for (int dj = -1; dj <= 1; ++dj) {
     for (int di = -1; di <= 1; ++di) {
-      if (above == 1 && state(c.i + di, c.j + dj, k + 1) != CellState::kFree) return true;
-      for (int up = above; up <= slice.k_high + 1 - k; ++up) {
-        if (state(c.i + di, c.j + dj, k + up) == CellState::kOccupied) return true;
+      const int i = c.i + di, j = c.j + dj;
+      if (above == 1 && state(i, j, k + 1) != CellState::kFree) return true;
+      const Columns* block = columns.find({i >> 3, j >> 3});
+      for (int up = k + above; up <= slice.k_high + 1 && block != nullptr; ++up) {
+        const Brick* b = find_brick(block, up);
+        if (b != nullptr && is_occupied(*b, morton(i & 7, j & 7, up & 7))) return true;
       }
     }
   }
@@ -516,7 +526,7 @@ void OccupancyMapper::Impl::note_change(Cell c, std::vector<GroundChange>& chang
 void OccupancyMapper::Impl::look_at_floor(std::vector<GroundChange>& changes) {
   if (!floor->is_flat()) {
     for (const auto& [block, cell] : changed_cells) {
-      const Columns& b = *columns[block];
+      const Columns& b = columns[block];
       const Cell c{b.bx * kBrick + cell % kBrick, b.by * kBrick + cell / kBrick};
       if (floor->is_near(c)) low.push_back(c);
     }
@@ -545,7 +555,7 @@ void OccupancyMapper::Impl::flush_ground() {
   if (floor) look_at_floor(changes);
   const GroundMap& now = *ground[ground_current].map;
   for (const auto& [block, cell] : changed_cells) {
-    Columns& c = *columns[block];
+    Columns& c = columns[block];
     c.changed[cell] = false;
     const Cell address{c.bx * kBrick + cell % kBrick, c.by * kBrick + cell / kBrick};
     const FloorState under = floor_state(c.floor[cell], c.free_below[cell], -slice.floor.k_floor);
@@ -713,17 +723,11 @@ void OccupancyMapper::Impl::apply_marks() {
   bool through[kBrick * kBrick] = {};  // went a ray on through the layers of the floor?
   for (int x = 0; x < size[0]; x += kBrick) {
     for (int y = 0; y < size[1]; y += kBrick) {
-      // A brick lies in one of the floor's tiles.
-      const bool near = floor && floor->is_near({box[0] + x, box[1] + y});
-      for (int cell = 0; cell < kBrick * kBrick; ++cell) {
-        up[cell] = near ? level({box[0] + x + cell % kBrick, box[1] + y + cell / kBrick}) : 0;
-        through[cell] = false;
-      }
+      levels_in({box[0] + x, box[1] + y}, up);
+      std::fill(std::begin(through), std::end(through), false);
       for (int z = 0; z < size[2]; z += kBrick) {
         Brick* b = nullptr;
         MapEvidence::Brick* written = nullptr;
-        std::uint32_t index = 0;
-        std::uint32_t column = 0;
         for (int dx = 0; dx < kBrick; ++dx) {
           for (int dy = 0; dy < kBrick; ++dy) {
             const std::size_t first =
@@ -740,8 +744,6 @@ void OccupancyMapper::Impl::apply_marks() {
                         bz = (box[2] + z) / kBrick;  // exact: multiples of eight
               b = &brick(bx, by, bz);
               written = evidence != nullptr ? &evidence->brick({bx, by, bz}) : nullptr;
-              index = brick_at.find(pack(bx, by, bz))->second;
-              column = column_block(bx, by);
             }
             for (int dz = 0; dz < kBrick; ++dz) {
               if (run[dz] == 0) continue;
@@ -785,7 +787,7 @@ void OccupancyMapper::Impl::apply_marks() {
               if (known && run[dz] == kGrazed) continue;
               const float before = known ? b->log_odds[m] : 0.0F;
               const float after = before + ((run[dz] & kEndedIn) != 0 ? hit : miss);
-              set_value(*b, index, m, column, std::min(std::max(after, lowest), highest));
+              set_value(*b, m, std::min(std::max(after, lowest), highest));
             }
             std::memset(run, 0, kBrick);
           }
@@ -841,13 +843,16 @@ void OccupancyMapper::Impl::replay(int which) {
     return bricks[a]->order < bricks[b]->order;
   });
   VoxelGrid& voxels = *m.voxels;
+  int up[kBrick * kBrick];
   for (const std::uint32_t index : m.dirty) {
     const Brick& b = *bricks[index];
+    levels_in({b.bx * kBrick, b.by * kBrick}, up);
     for (int word = 0; word < kBrick; ++word) {
       for (std::uint64_t bits = b.stale[which][word]; bits != 0; bits &= bits - 1) {
         const int v = word * 64 + std::countr_zero(bits);
-        const Cell c{b.bx * kBrick + compact(v), b.by * kBrick + compact(v >> 1)};
-        voxels.set(c.i, c.j, b.bz * kBrick + compact(v >> 2) - level(c),
+        const int x = compact(v), y = compact(v >> 1);
+        voxels.set(b.bx * kBrick + x, b.by * kBrick + y,
+                   b.bz * kBrick + compact(v >> 2) - up[x + kBrick * y],
                    b.log_odds[v] >= threshold ? CellState::kOccupied : CellState::kFree);
       }
     }
@@ -958,16 +963,13 @@ void OccupancyMapper::enter(const MapEvidence& evidence, const EvidenceTable& ta
     const int k = at[2] * kBrick;
     if (k + kBrick <= m.k_low || k >= m.k_end) continue;
     Brick& b = m.brick(at[0], at[1], at[2]);
-    const std::uint32_t index = m.brick_at.find(pack(at[0], at[1], at[2]))->second;
-    const std::uint32_t column = m.column_block(at[0], at[1]);
     for (int n = 0; n < kBrickVoxels; ++n) {
       const EvidenceTable::State s = said.states[static_cast<std::size_t>(n)];
       const int z = n % kBrick;
       if (s == EvidenceTable::kNothing || k + z < m.k_low || k + z >= m.k_end) continue;
       const int v = morton(n / (kBrick * kBrick), n / kBrick % kBrick, z);
       const bool known = ((b.known[v >> 6] >> (v & 63)) & 1U) != 0;
-      m.set_value(b, index, v, column,
-                  known ? table.of_known(s, b.log_odds[v]) : table.of_unknown(s));
+      m.set_value(b, v, known ? table.of_known(s, b.log_odds[v]) : table.of_unknown(s));
     }
     for (const MapEvidence::Hit& hit : said.hits) {
       const int z = hit.voxel % kBrick;
@@ -1102,8 +1104,7 @@ void OccupancyMapper::clear_cylinder(const Eigen::Vector3d& base, double radius,
         const int v = morton(i & 7, j & 7, k & 7);
         const bool known = ((b.known[v >> 6] >> (v & 63)) & 1U) != 0;
         if (known && b.log_odds[v] >= m.threshold) continue;
-        m.set_value(b, m.brick_at.find(pack(bx, by, bz))->second, v, m.column_block(bx, by),
-                    m.lowest);
+        m.set_value(b, v, m.lowest);
         m.write_told(bx, by, bz, v, m.lowest);
       }
     }
@@ -1114,7 +1115,7 @@ void OccupancyMapper::clear_cylinder(const Eigen::Vector3d& base, double radius,
 void OccupancyMapper::assume_floor(const Eigen::Vector2d& at, double radius) {
   Impl& m = *impl_;
   const double r = m.options.resolution;
-  if (!m.has_floor || !at.allFinite() || !(radius > 0.0 && radius < 1000.0 * r) ||
+  if (!m.has_floor || !m.is_kept(-1) || !at.allFinite() || !(radius > 0.0 && radius < 1000.0 * r) ||
       at.cwiseAbs().maxCoeff() > (kMaxAddress - 2048) * r) {
     return;
   }
@@ -1127,7 +1128,7 @@ void OccupancyMapper::assume_floor(const Eigen::Vector2d& at, double radius) {
       Brick& b = m.brick(bx, by, bz);
       const std::uint64_t bit = std::uint64_t{1} << (v & 63);
       if ((b.known[v >> 6] & bit) != 0) continue;
-      m.set_value(b, m.brick_at.find(pack(bx, by, bz))->second, v, m.column_block(bx, by), m.hit);
+      m.set_value(b, v, m.hit);
       m.write_told(bx, by, bz, v, m.hit);
       b.surface[v >> 6] &= ~bit;
     }
@@ -1162,8 +1163,7 @@ void OccupancyMapper::load(const octomap::OcTree& map) {
           const int v = morton(i & 7, j & 7, k & 7);
           const std::uint64_t bit = std::uint64_t{1} << (v & 63);
           const bool seen = (b.surface[v >> 6] & bit) != 0;
-          m.set_value(b, m.brick_at.find(pack(bx, by, bz))->second, v, m.column_block(bx, by),
-                      value);
+          m.set_value(b, v, value);
           m.write_told(bx, by, bz, v, value);
           if (!seen) b.surface[v >> 6] &= ~bit;
         }
