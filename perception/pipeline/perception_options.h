@@ -84,4 +84,8 @@ struct PerceptionOptions {
 /// what the robot has; the start is where it stands.
 void describe(Knobs& knobs, PerceptionOptions& options);
 
+/// The map's options as its poses allow them: poses in the plane follow no ramp, in height or tilt,
+/// so without start_in_space what rises stays an obstacle. This alone decides it.
+OccupancyMapperOptions mapping_of(const PerceptionOptions& options);
+
 }  // namespace prospect

@@ -38,4 +38,10 @@ void describe(Knobs& knobs, PerceptionOptions& o) {
                 "depth images and scans that wait");
 }
 
+OccupancyMapperOptions mapping_of(const PerceptionOptions& options) {
+  OccupancyMapperOptions mapping = options.mapping;
+  mapping.slopes = mapping.slopes && options.start_in_space.has_value();
+  return mapping;
+}
+
 }  // namespace prospect

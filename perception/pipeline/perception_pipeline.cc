@@ -34,13 +34,6 @@ WheelFusionOptions fusion_of(const PerceptionOptions& options) {
   return fusion;
 }
 
-/// A pose in the plane follows no ramp: what rises stays an obstacle.
-OccupancyMapperOptions mapping_of(const PerceptionOptions& options) {
-  OccupancyMapperOptions mapping = options.mapping;
-  mapping.slopes = mapping.slopes && options.start_in_space.has_value();
-  return mapping;
-}
-
 ScanMapperOptions scans_of(const PerceptionOptions& options) {
   ScanMapperOptions scans = options.scan_mapping;
   scans.map = mapping_of(options);

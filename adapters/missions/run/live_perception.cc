@@ -31,7 +31,6 @@ PerceptionOptions live_perception(const Configuration& c, const RangeCameras& de
   perception.mapping.slice.z_max = slice.z_max;
   perception.mapping.slice.sight = c.robot.base_height() + mount.T_BC.translation().z();
   perception.mapping.max_range = longest_range(range.max, c.robot.more_depth);
-  perception.mapping.slopes = false;  // a pose in the plane follows no ramp
   perception.depth_mapping.range = range;
   perception.start = start;
   return perception;

@@ -212,8 +212,6 @@ OccupancyMapperOptions mapping_options(const SimulatorOptions& options,
   mapping.slice.z_max = slice.z_max;
   mapping.slice.sight = options.base_height + options.depth_mount.T_BC.translation().z();
   mapping.max_range = longest_range(options.depth.footprint.max_range, options.more_depth);
-  // What cameras measure is a pose in the plane, which follows no ramp.
-  mapping.slopes = mapping.slopes && options.sensors == Sensors::kModel;
   return mapping;
 }
 

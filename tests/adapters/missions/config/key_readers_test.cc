@@ -145,7 +145,10 @@ void add_simulator(Text& text, const Configuration& c) {
   for (const SimulatorOptions::Carried& k : o.carried) {
     text.add(k.time), text.add(k.to.position.x()), text.add(k.to.position.y()), text.add(k.to.yaw);
   }
-  text.add_all(mapping_options(o, c.perception.mapping));
+  PerceptionOptions perception = c.perception;
+  perception.mapping = mapping_options(o, perception.mapping);
+  if (o.sensors == Sensors::kCamera) perception.mapping = mapping_of(perception);
+  text.add_all(perception.mapping);
   text.add_all(c.perception.feature_density);
   text.add(c.perception.start_floor), text.add_all(c.perception.movers);
   text.add(c.map), text.add(o.place_known);
@@ -159,9 +162,7 @@ void add_simulator(Text& text, const Configuration& c) {
     }
     return;
   }
-  PerceptionOptions perception = c.perception;
   perception.scan_mapping = {};
-  perception.mapping.slopes = false;  // mapping_options()
   perception.pose_degraded = perception.pose_lost = 0.0;
   if (perception.wheels) {
     text.add_all(o.wheels);
@@ -228,6 +229,7 @@ std::string built(Configuration c, Use use) {
   text.add_all(c.guard);
   SensorInboxOptions inbox = c.drive.inbox;
   PerceptionOptions perception = live_perception(c, {}, Pose());
+  perception.mapping = mapping_of(perception);
   if (use != Use::kDriveUser) {
     inbox.poses_in_runtime_clock = true;
     inbox.pose_jump = {};
