@@ -26,7 +26,14 @@ FloorJoin::FloorJoin(double resolution, int k_body, double step)
       most_rise_(
           std::max(step, kSteepest * (M_SQRT2 * resolution) + unevenness(M_SQRT2 * resolution))),
       k_body_(k_body),
-      reach_(std::max(1, static_cast<int>(kBaseline / resolution + 1e-9))) {}
+      reach_(std::max(1, static_cast<int>(kBaseline / resolution + 1e-9))) {
+  for (int d = 0; d < 2; ++d) {
+    const double way = r_ * stride(d);
+    for (int n = 0; n <= reach_; ++n) {
+      limits_[d].push_back(most_that_joins(way * static_cast<double>(n), step_));
+    }
+  }
+}
 
 void FloorJoin::add_tile(Cell tile) {
   const int stencil = std::max(reach_, kSpread) + 2;
@@ -305,6 +312,7 @@ bool FloorJoin::is_steep(Cell c) {
     const double slope = ((goes_on ? next : here) - (came ? last : here)) /
                          (way * ((goes_on ? 1 : 0) + (came ? 1 : 0)));
     if (std::abs(slope) < 0.5 * kSteepest) continue;
+    const std::vector<double>& limits = limits_[d % 2];
     // From behind to ahead, as far as each joins the one before.
     line.assign(1, here);
     const auto extend = [&](int direction) {
@@ -321,9 +329,7 @@ bool FloorJoin::is_steep(Cell c) {
     extend(d);
     for (std::size_t a = 0; a <= at; ++a) {
       for (std::size_t b = at; b < line.size() && b - a <= static_cast<std::size_t>(reach); ++b) {
-        if (!joins(std::abs(line[b] - line[a]), way * static_cast<double>(b - a), step_)) {
-          return true;
-        }
+        if (!(std::abs(line[b] - line[a]) <= limits[b - a])) return true;
       }
     }
   }

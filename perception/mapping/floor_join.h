@@ -20,10 +20,14 @@ inline constexpr double kSteepest = 0.1405408;
 /// 8 degrees from 12, and between neighbours less than a kerb. Our choice.
 constexpr double unevenness(double way) { return 0.03 * std::min(1.0, way / 0.3); }
 
-/// Whether floors join that lie `rise` [m] apart in height and `way` [m] on the ground: by no more
-/// than a step, or than the steepest ramp rises on that way.
+/// [m] by which floors may differ in height that join and lie `way` [m] apart on the ground: a step,
+/// or what the steepest ramp rises on that way.
+constexpr double most_that_joins(double way, double step) {
+  return std::max(step, kSteepest * way + unevenness(way)) + 1e-9;
+}
+/// Whether floors join that lie `rise` [m] apart in height.
 constexpr bool joins(double rise, double way, double step) {
-  return rise <= std::max(step, kSteepest * way + unevenness(way)) + 1e-9;
+  return rise <= most_that_joins(way, step);
 }
 
 /// A surface with room above.
@@ -151,6 +155,8 @@ class FloorJoin {
   std::vector<Cell> queue_, moved_, reached_, changed_;
   std::vector<FloorSurface> found_, beside_;
   std::vector<double> line_;
+  /// By how much heights on a line differ that join, so many cells apart: straight and diagonal.
+  std::vector<double> limits_[2];
 };
 
 }  // namespace prospect

@@ -281,7 +281,9 @@ struct OccupancyMapper::Impl {
   }
   /// Of the columns of a brick, whose first one is told.
   void levels_in(Cell first, int* up) const;
-  CellState state(int i, int j, int k) const;
+  const Columns* block_of(Cell c) const { return columns.find({c.i >> 3, c.j >> 3}); }
+  /// Of the block of its column.
+  CellState state_in(const Columns* block, int i, int j, int k) const;
   void note_heights(Brick& b, int m, int k, const Heights& more);
   void surfaces(Cell c, std::vector<FloorSurface>& found) const;
   bool is_foot(Cell c, int k, int above) const;
@@ -423,8 +425,8 @@ void OccupancyMapper::Impl::levels_in(Cell first, int* up) const {
   }
 }
 
-CellState OccupancyMapper::Impl::state(int i, int j, int k) const {
-  const Brick* b = find_brick(columns.find({i >> 3, j >> 3}), k);
+CellState OccupancyMapper::Impl::state_in(const Columns* block, int i, int j, int k) const {
+  const Brick* b = find_brick(block, k);
   const int m = morton(i & 7, j & 7, k & 7);
   if (b == nullptr || ((b->known[m >> 6] >> (m & 63)) & 1U) == 0) return CellState::kUnknown;
   return b->log_odds[m] >= threshold ? CellState::kOccupied : CellState::kFree;
@@ -453,7 +455,7 @@ void OccupancyMapper::Impl::surfaces(Cell c, std::vector<FloorSurface>& found) c
   int k = std::min(k_end - 1, highest + room);
   int occupied_above = k_end + room;  // the lowest
   CellState above = CellState::kUnknown;
-  const Columns* block = columns.find({c.i >> 3, c.j >> 3});
+  const Columns* block = block_of(c);
   const Brick* b = find_brick(block, k);
   for (; k >= slice.floor.k_floor; --k) {
     if ((k & 7) == 7) b = find_brick(block, k);
@@ -487,14 +489,12 @@ void OccupancyMapper::Impl::surfaces(Cell c, std::vector<FloorSurface>& found) c
 // Whether something stands beside, `above` layers higher or more, whose foot is low, too; or, of
 // the next layer, may stand there.
 bool OccupancyMapper::Impl::is_foot(Cell c, int k, int above) const {
-  for (int dj = -1; dj <= 1; ++dj) {
-    for (int di = -1; di <= 1; ++di) {
-      const int i = c.i + di, j = c.j + dj;
-      if (above == 1 && state(i, j, k + 1) != CellState::kFree) return true;
-      const Columns* block = columns.find({i >> 3, j >> 3});
-      for (int up = k + above; up <= slice.k_high + 1 && block != nullptr; ++up) {
-        const Brick* b = find_brick(block, up);
-        if (b != nullptr && is_occupied(*b, morton(i & 7, j & 7, up & 7))) return true;
+  for (int j = c.j - 1; j <= c.j + 1; ++j) {
+    for (int i = c.i - 1; i <= c.i + 1; ++i) {
+      const Columns* block = block_of({i, j});
+      if (above == 1 && state_in(block, i, j, k + 1) != CellState::kFree) return true;
+      for (int up = k + above; up <= slice.k_high + 1; ++up) {
+        if (state_in(block, i, j, up) == CellState::kOccupied) return true;
       }
     }
   }
@@ -503,11 +503,12 @@ bool OccupancyMapper::Impl::is_foot(Cell c, int k, int above) const {
 
 // Notes what a column is over a floor that is raised or closed there.
 void OccupancyMapper::Impl::note_change(Cell c, std::vector<GroundChange>& changes) const {
+  const Columns* block = block_of(c);
   const int up = level(c);
   int occupied = 0, free = 0, support = 0, free_below = 0;
   for (int k = std::min(slice.k_low, slice.floor.k_floor);
        k <= std::max(slice.k_high, slice.floor.k_body - 1); ++k) {
-    const CellState s = state(c.i, c.j, k + up);
+    const CellState s = state_in(block, c.i, c.j, k + up);
     const bool in_slice = k >= slice.k_low && k <= slice.k_high;
     const bool is_support = k >= slice.floor.k_floor && k < slice.floor.k_body;
     occupied += in_slice && s == CellState::kOccupied;
@@ -518,7 +519,8 @@ void OccupancyMapper::Impl::note_change(Cell c, std::vector<GroundChange>& chang
   const FloorState under = floor_state(support, free_below, -slice.floor.k_floor);
   const CellState now =
       floor->closed(c) ? CellState::kOccupied : project_column(occupied, free, under);
-  const bool sight = see_through(now, slice.k_sight ? state(c.i, c.j, *slice.k_sight + up) : now);
+  const bool sight =
+      see_through(now, slice.k_sight ? state_in(block, c.i, c.j, *slice.k_sight + up) : now);
   const GroundMap& known = *ground[ground_current].map;
   if (known.state(c) != now || known.see_through(c) != sight) changes.push_back({c, now, sight});
 }
@@ -543,9 +545,10 @@ void OccupancyMapper::Impl::look_at_floor(std::vector<GroundChange>& changes) {
 }
 
 void OccupancyMapper::Impl::write_column(VoxelGrid& voxels, Cell c) const {
+  const Columns* block = block_of(c);
   const int up = level(c);
   for (int k = k_low; k < k_end; ++k) {
-    const CellState s = k + up < k_end ? state(c.i, c.j, k + up) : CellState::kUnknown;
+    const CellState s = k + up < k_end ? state_in(block, c.i, c.j, k + up) : CellState::kUnknown;
     voxels.set(c.i, c.j, k, s);
   }
 }
