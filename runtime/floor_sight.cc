@@ -7,7 +7,7 @@
 namespace prospect {
 namespace {
 
-std::optional<FloorSight> sight_of(const DepthSensor& sensor, double base_height) {
+std::optional<FloorSight> sight_of(const DepthSensor& sensor, double base_height, double drop) {
   constexpr int kSteps = 1800;  // of 0.05 degrees
   const RgbdFootprint& f = sensor.footprint;
   const Eigen::Vector3d at = sensor.mount.T_BC.translation();
@@ -16,8 +16,8 @@ std::optional<FloorSight> sight_of(const DepthSensor& sensor, double base_height
   std::optional<FloorSight> sight;
   for (int n = 1; n <= kSteps; ++n) {
     const double below = 0.5 * M_PI * n / kSteps;
-    const double range = height / std::sin(below);
-    if (range < f.min_range || range > f.max_range) continue;
+    if (height / std::sin(below) < f.min_range) continue;
+    if ((height + drop) / std::sin(below) > f.max_range) continue;
     const Eigen::Vector3d d = sensor.mount.T_BC.linear().transpose() *
                               Eigen::Vector3d(std::cos(below), 0.0, -std::sin(below));
     const double azimuth = std::atan2(d.x(), d.z());
@@ -35,10 +35,11 @@ std::optional<FloorSight> sight_of(const DepthSensor& sensor, double base_height
 
 }  // namespace
 
-std::optional<FloorSight> floor_sight(const std::vector<DepthSensor>& sensors, double base_height) {
+std::optional<FloorSight> floor_sight(const std::vector<DepthSensor>& sensors, double base_height,
+                                      double drop) {
   std::optional<FloorSight> widest;
   for (const DepthSensor& sensor : sensors) {
-    const std::optional<FloorSight> sight = sight_of(sensor, base_height);
+    const std::optional<FloorSight> sight = sight_of(sensor, base_height, drop);
     if (sight && (!widest || sight->to > widest->to)) widest = sight;
   }
   return widest;

@@ -83,7 +83,7 @@ CheckResult floor_ahead_check(const PreflightFacts& facts) {
   const PreflightFacts::FloorAhead& ahead = *facts.floor_ahead;
   if (!ahead.sight) {
     return {name, CheckVerdict::kWarned,
-            "no depth sensor looks at it: edges, holes and stairs down are not seen"};
+            "no depth sensor shows whether it is there: edges, holes and stairs down are not seen"};
   }
   const double a = facts.deceleration.model, v = facts.speed.model;
   const double most = speed_for_sight(ahead.sight->to - ahead.front, ahead.delay, a);

@@ -194,9 +194,9 @@ ExplorationRunResult live_mission(const Robot& robot, const Configuration& c,
   PreflightInputs inputs;
   inputs.known.body = c.robot.slice();
   inputs.known.resolution = c.perception.mapping.resolution;
-  inputs.known.floor_ahead = {floor_sight(c.robot.depth_sensors(), c.robot.base_height()),
-                              c.drive.ranges.front,
-                              c.planner.committed + c.drive.ranges.reaction_time};
+  inputs.known.floor_ahead = {
+      floor_sight(c.robot.depth_sensors(), c.robot.base_height(), c.perception.mapping.slice.step),
+      c.drive.ranges.front, c.planner.committed + c.drive.ranges.reaction_time};
   inputs.known.depth_camera = robot.depth.has_value();
   inputs.known.stereo_pair = has_pairs(robot);
   inputs.cancelled = mission.cancelled;
