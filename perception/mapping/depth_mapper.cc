@@ -20,6 +20,7 @@ namespace {
 constexpr int kCheckStride = 4;      // of the pixels that the image is judged by
 constexpr double kFarBelow = 0.2;    // [m]: no noise of a floor
 constexpr double kJustBelow = 1e-6;  // [m]
+constexpr double kSure = 5.0;        // [standard deviations] that none of the rays is off by
 
 double gain(double prior, double measured, double least) {
   const double p = prior * prior;
@@ -45,6 +46,7 @@ DepthMapper::DepthMapper(const PinholeCamera& camera, const DepthMapperOptions& 
       options_(options),
       map_(map ? std::move(map) : std::make_shared<OccupancyMapper>(options.map)),
       movers_(std::move(movers)),
+      below_(2.0 * options.map.resolution),
       poses_({options.max_speed, options.max_turn_rate, kFarthestVoxel * options.map.resolution}) {
   validate(camera);
   check_parameter(options.range.min > 0.0 && options.range.max > options.range.min &&
@@ -162,7 +164,7 @@ std::vector<char> DepthMapper::find_moving(const DepthImage& image, const Mapped
 
 /// False if too much lies below the floor.
 bool DepthMapper::make_scan(const DepthImage& image, const std::vector<char>& moving,
-                            MappedFrame& frame, DepthScan& scan) const {
+                            MappedFrame& frame, DepthScan& scan) {
   const DepthRange& range = options_.range;
   const Eigen::Matrix3d R = frame.T_WC.linear();
   const Eigen::Vector3d t = frame.T_WC.translation();
@@ -204,8 +206,12 @@ bool DepthMapper::make_scan(const DepthImage& image, const std::vector<char>& mo
       const double margin = floor_margin(frame, z);
       if (above < -margin) {
         // By the measured plane and by the pose: then the ray went on through the floor's plane.
-        const double through = -std::max(margin, map_->options().slice.step);
-        if (above < through && p_W.z() < through) {
+        const double sigma = ground_sigma(std::max(0.0, t.z()), z, options_.ground);
+        const double through = -std::max({margin, map_->options().slice.step, kSure * sigma});
+        const double along =
+            options_.ground.noise_constant + options_.ground.noise_quadratic * z * z;
+        if (above < through && p_W.z() < through &&
+            (!options_.mismatches || below_.meet(t, p_W, along * p.norm() / z))) {
           scan.hits.push_back(p_W);
           ++frame.below;
         }
@@ -215,7 +221,7 @@ bool DepthMapper::make_scan(const DepthImage& image, const std::vector<char>& mo
         scan.hits.emplace_back(p_W.x(), p_W.y(), -kJustBelow);
         ++frame.floor;
       } else {
-        scan.hits.push_back(p_W);
+        scan.hits.emplace_back(p_W.x(), p_W.y(), std::max(p_W.z(), -kJustBelow));
         ++((p_W - t).squaredNorm() > reach * reach ? frame.misses : frame.hits);
       }
     }

@@ -12,6 +12,7 @@
 #include "models/camera.h"
 #include "perception/mapping/depth_image.h"
 #include "perception/mapping/ground_plane.h"
+#include "perception/mapping/met_twice.h"
 #include "perception/mapping/mover_tracker.h"
 #include "perception/mapping/occupancy_mapper.h"
 #include "perception/mapping/pose_check.h"
@@ -24,7 +25,10 @@ class Knobs;
 
 struct DepthMapperOptions {
   OccupancyMapperOptions map;
-  DepthRange range;           ///< of depths that are believed [m]
+  DepthRange range;  ///< of depths that are believed [m]
+  /// A depth may be altogether wrong, as of a stereo pair that matches what does not belong
+  /// together; else its noise is all.
+  bool mismatches = false;
   GroundPlaneOptions ground;  ///< its noise is also that by which floor is told from obstacles
   /// How far the ground may be from where the pose says it is.
   double tilt_tolerance = 0.1;     ///< [rad]
@@ -97,12 +101,15 @@ struct MappedFrame {
 ///   floor      |e| <= margin: entered as a hit just below z = 0, at its x and y. So it clears what
 ///              is above it, makes the layer below z = 0 occupied, and is never an obstacle;
 ///   an edge    between two surfaces: says nothing;
-///   moving     of what moves against the world (moving_surface.h): clears up to it, is no
-///   obstacle; obstacle   e > margin: a hit; beyond the map's range, a ray that clears up to that
-///   range; below      e < -margin: where it is deeper than the robot's step, too, by the measured
-///   plane and
-///              by the pose, a hit there, so the floor is missing where the ray went through its
-///              plane (OccupancyMapper); else it says nothing.
+///   moving     of what moves against the world (moving_surface.h): clears up to it alone;
+///   obstacle   e > margin: a hit, at z = 0 where the pose has it lower: what stands out of the
+///              floor does not show that there is none. Beyond the map's range, a ray that clears
+///              up to that range;
+///   below      e < -margin: a hit, so the floor is missing where the ray went through its plane
+///              (OccupancyMapper), if by the measured plane and by the pose it is deeper than the
+///              robot's step and than five standard deviations of a point of the floor, which by
+///              chance no ray is; where depths may be mismatches, once it was met from two places
+///              (MetTwice). Else it says nothing.
 /// A pixel without a valid depth says nothing: it neither clears nor occupies.
 ///
 /// States. Ok. Degraded: the scan was entered, but no ground was found in it, or a half of the
@@ -144,12 +151,13 @@ class DepthMapper {
                                 const MotionInView& motion) const;
   /// moving: as find_moving(), or empty.
   bool make_scan(const DepthImage& image, const std::vector<char>& moving, MappedFrame& frame,
-                 DepthScan& scan) const;
+                 DepthScan& scan);
 
   PinholeCamera camera_;
   DepthMapperOptions options_;
   std::shared_ptr<OccupancyMapper> map_;
   std::shared_ptr<MoverTracker> movers_;
+  MetTwice below_;  // what was met below the floor
   int stride_ = 1;
   DepthImage last_image_;  // as received
   RepeatedContent repeated_;

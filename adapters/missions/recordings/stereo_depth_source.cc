@@ -121,6 +121,7 @@ void set_stereo_accuracy(const StereoDepthAccuracy& stereo, double range,
   mapper.map.max_range = range;
   mapper.map.offset_quadratic = kDeviations * stereo.noise;
   mapper.range = stereo.range;
+  mapper.mismatches = true;
   mapper.ground.range = stereo.range;
   mapper.ground.noise_quadratic = stereo.noise;
 }

@@ -14,6 +14,7 @@
 
 #include "engine/maps/floor_state.h"
 #include "engine/maps/map_projection.h"
+#include "perception/mapping/met_twice.h"
 #include "tests/not_under_sanitizers.h"
 #include "tests/perception/depth_faults.h"
 #include "tests/perception/depth_scene.h"
@@ -158,47 +159,127 @@ TEST(DepthMapper, UnevenFloorIsFlat) {
   EXPECT_GT(floor, 1000);
 }
 
-// What is measured below the floor is no floor, and shows that there is none.
-TEST(DepthMapper, WhereRaysGoOnBelowTheFloorItIsMissing) {
-  NOT_UNDER_SANITIZERS("one way through the mapping, with other depths");
+constexpr double kPit[4] = {-0.4, 0.9, -0.3, 0.2};  // x, y
+
+DepthScene pit() {
   DepthScene scene;
   scene.room.low.z() = -0.5;
-  const double pit[4] = {-0.4, 0.9, -0.3, 0.2};  // x, y
-  scene.boxes = {{{-3.0, -3.0, -0.5}, {pit[0], 3.0, 0.0}},
-                 {{pit[1], -3.0, -0.5}, {5.0, 3.0, 0.0}},
-                 {{pit[0], -3.0, -0.5}, {pit[1], pit[2], 0.0}},
-                 {{pit[0], pit[3], -0.5}, {pit[1], 3.0, 0.0}}};
-  DepthMapper mapper(kCamera, fine());
-  for (int k = 0; k < 5; ++k) {
-    const DepthFrame frame = walk(scene, k);
-    const MappedFrame mapped = mapper.process(frame.stamp, frame.image, frame.T_WC);
-    EXPECT_EQ(mapped.state, Mapping::kOk);
-    EXPECT_GT(mapped.below, 0);
-  }
-  int inside = 0, around = 0, missing = 0, wrong = 0;
+  scene.boxes = {{{-3.0, -3.0, -0.5}, {kPit[0], 3.0, 0.0}},
+                 {{kPit[1], -3.0, -0.5}, {5.0, 3.0, 0.0}},
+                 {{kPit[0], -3.0, -0.5}, {kPit[1], kPit[2], 0.0}},
+                 {{kPit[0], kPit[3], -0.5}, {kPit[1], 3.0, 0.0}}};
+  return scene;
+}
+
+struct PitCells {
+  int missing = 0, inside = 0;  ///< in the pit: without floor, with floor
+  int wrong = 0, around = 0;    ///< elsewhere, likewise
+};
+
+PitCells pit_cells(DepthMapper& mapper) {
   const FloorLayers layers =
       slice_layers(mapper.map().options().slice, mapper.map().options().resolution).floor;
   const auto voxels = mapper.map().voxels();
   const GridFrame f = voxels->frame();
+  PitCells cells;
   for (int n = 0; n < f.size(); ++n) {
     const Cell c = f.at(n);
     const Eigen::Vector2d p = f.center(c);
-    const bool in_pit = p.x() > pit[0] + 0.1 && p.x() < pit[1] - 0.1 && p.y() > pit[2] + 0.1 &&
-                        p.y() < pit[3] - 0.1;
+    const auto within = [&](double more) {
+      return p.x() > kPit[0] - more && p.x() < kPit[1] + more && p.y() > kPit[2] - more &&
+             p.y() < kPit[3] + more;
+    };
     const bool floor = voxels->state(c.i, c.j, -1) == CellState::kOccupied;
-    inside += in_pit && floor;
-    around += !in_pit && floor;
-    const bool near_pit = p.x() > pit[0] - 0.1 && p.x() < pit[1] + 0.1 && p.y() > pit[2] - 0.1 &&
-                          p.y() < pit[3] + 0.1;
     const bool is_missing = floor_state(*voxels, c, layers) == FloorState::kMissing;
-    missing += in_pit && is_missing;
-    wrong += !near_pit && is_missing;
+    cells.inside += within(-0.1) && floor;
+    cells.around += !within(-0.1) && floor;
+    cells.missing += within(-0.1) && is_missing;
+    cells.wrong += !within(0.1) && is_missing;
   }
-  std::printf("%d cells of the hole are known to be one\n", missing);
-  EXPECT_GT(missing, 20);
-  EXPECT_EQ(wrong, 0);
-  EXPECT_EQ(inside, 0);
-  EXPECT_GT(around, 1000);
+  return cells;
+}
+
+// What is measured below the floor is no floor, and shows that there is none.
+TEST(DepthMapper, WhereRaysGoOnBelowTheFloorItIsMissing) {
+  NOT_UNDER_SANITIZERS("one way through the mapping, with other depths");
+  for (const bool mismatches : {false, true}) {
+    DepthMapperOptions options = fine();
+    options.mismatches = mismatches;
+    DepthMapper mapper(kCamera, options);
+    // Where depths may be mismatches, a tenth of a metre on the way is two places.
+    const int frames = mismatches ? 9 : 5;
+    for (int k = 0; k < frames; ++k) {
+      const DepthFrame frame = walk(pit(), k);
+      const MappedFrame mapped = mapper.process(frame.stamp, frame.image, frame.T_WC);
+      EXPECT_EQ(mapped.state, Mapping::kOk);
+      EXPECT_TRUE(mapped.below > 0 || (mismatches && k <= 5));
+    }
+    const PitCells cells = pit_cells(mapper);
+    std::printf("%d cells of the hole are known to be one\n", cells.missing);
+    EXPECT_GT(cells.missing, 20);
+    EXPECT_EQ(cells.wrong, 0);
+    EXPECT_EQ(cells.inside, 0);
+    EXPECT_GT(cells.around, 1000);
+  }
+}
+
+// A camera that stands sees the same wrong match again, one that goes on sees it elsewhere.
+TEST(DepthMapper, AMismatchIsNoHole) {
+  NOT_UNDER_SANITIZERS("one way through the mapping, with other depths");
+  for (const bool stands : {false, true}) {
+    DepthMapperOptions options = fine();
+    options.mismatches = true;
+    DepthMapper wary(kCamera, options), trusting(kCamera, fine());
+    int below = 0, wrong = 0;
+    for (int k = 0; k < 9; ++k) {
+      DepthFrame frame = walk(DepthScene(), stands ? 0 : k);
+      frame.stamp = 0.1 * k;
+      for (int v = 380; v < 420; ++v) {
+        for (int u = 200; u < 260; ++u) {
+          frame.image.at(u, v) *= 1.4F + 0.1F * static_cast<float>(stands ? 0 : k);
+        }
+      }
+      frame.image.at(0, k) = DepthImage::kInvalid;  // no image is the one before again
+      below += wary.process(frame.stamp, frame.image, frame.T_WC).below;
+      wrong += trusting.process(frame.stamp, frame.image, frame.T_WC).below;
+    }
+    EXPECT_EQ(below, 0);
+    EXPECT_GT(wrong, 100);  // what it is about
+    EXPECT_EQ(pit_cells(wary).wrong, 0);
+  }
+}
+
+// Where the pose is too low, what stands on the floor seems to lie below it.
+TEST(DepthMapper, WhatStandsOutOfTheFloorDoesNotShowThatThereIsNone) {
+  NOT_UNDER_SANITIZERS("one way through the mapping, with other depths");
+  DepthScene scene;
+  scene.boxes = {{{-0.2, -0.6, 0.0}, {0.8, 0.6, 0.045}}};
+  DepthMapper mapper(kCamera, fine());
+  int hits = 0;
+  for (int k = 0; k < 5; ++k) {
+    DepthFrame frame = walk(scene, k);
+    frame.T_WC.translation().z() -= 0.11;
+    hits += mapper.process(frame.stamp, frame.image, frame.T_WC).hits;
+  }
+  EXPECT_GT(hits, 100);
+  const PitCells cells = pit_cells(mapper);
+  EXPECT_EQ(cells.wrong + cells.missing, 0);
+  EXPECT_GT(cells.around, 1000);
+}
+
+TEST(MetTwice, OfASurfaceFromTwoPlacesAlone) {
+  const Eigen::Vector3d p(2.03, 0.03, -0.33), eye(0.0, 0.0, 0.45), on(0.15, 0.02, 0.45);
+  MetTwice met(0.1);
+  EXPECT_FALSE(met.meet(eye, p, 0.02));
+  EXPECT_FALSE(met.meet(eye, p, 0.02));  // from the same place
+  EXPECT_FALSE(met.meet(on, p + Eigen::Vector3d(1.0, 0.0, -0.4), 0.02));
+  EXPECT_TRUE(met.meet(on, p, 0.02));
+  // As far along the ray as the error may be.
+  const Eigen::Vector3d farther = on + 1.2 * (p - on);
+  EXPECT_FALSE(MetTwice(met).meet(on, farther, 0.02));
+  EXPECT_TRUE(MetTwice(met).meet(on, farther, 0.2));
+  EXPECT_FALSE(met.meet(on, {NAN, 0.0, 0.0}, 0.02));
+  EXPECT_FALSE(met.meet(on, {1e300, 0.0, 0.0}, 0.02));
 }
 
 /// The image with pixels at the edges of things as real sensors give them: between both depths.

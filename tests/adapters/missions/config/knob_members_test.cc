@@ -397,10 +397,11 @@ TEST(KnobMembers, EveryNumberAndSwitchIsAKnob) {
   }
   {
     DepthMapperOptions o;
-    [[maybe_unused]] auto& [map, range, ground, tilt_tolerance, height_tolerance, pose_sigma_tilt,
-                            pose_sigma_height, plane_sigma_tilt, plane_sigma_height, floor_margin,
-                            most_margin, ray_spacing, edge, least_valid, little_valid, most_rough,
-                            most_below_floor, max_speed, max_turn_rate, max_gap] = o;
+    [[maybe_unused]] auto& [map, range, mismatches, ground, tilt_tolerance, height_tolerance,
+                            pose_sigma_tilt, pose_sigma_height, plane_sigma_tilt,
+                            plane_sigma_height, floor_margin, most_margin, ray_spacing, edge,
+                            least_valid, little_valid, most_rough, most_below_floor, max_speed,
+                            max_turn_rate, max_gap] = o;
     EXPECT_KNOBS(o, tilt_tolerance, height_tolerance, pose_sigma_tilt, pose_sigma_height,
                  plane_sigma_tilt, plane_sigma_height, floor_margin, most_margin, ray_spacing, edge,
                  least_valid, little_valid, most_rough, most_below_floor, max_speed, max_turn_rate,
