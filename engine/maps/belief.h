@@ -40,8 +40,7 @@ enum class LocalizationSource {
 /// What the planner knows at one instant: an immutable snapshot, published by perception as
 /// shared_ptr<const Belief>. The maps are shared, never null (landmarks may be, with kExternal),
 /// and never change after publication, so a solve cannot see a half-updated map. The octree is
-/// authoritative; voxels and ground are derived from it and carry its resolution. The ground may be
-/// occupied besides: by who rests and is no part of the map.
+/// authoritative; voxels and ground are derived from it and carry its resolution.
 ///
 /// Frames: everything in W, in which odometry goes on without a jump (it drifts against the true
 /// world). What people told the robot is in the map's frame, which may move in W: map_frame.

@@ -12,7 +12,6 @@
 #include "engine/maps/grid.h"
 #include "engine/maps/ground_map.h"
 #include "engine/maps/movers.h"
-#include "models/robot_shape.h"
 #include "perception/mapping/occupancy_mapper.h"
 
 namespace prospect {
@@ -41,26 +40,22 @@ void describe(Knobs& knobs, MoverTrackerOptions& options);
 /// cells apart, are one thing; its position is the mean of its cells, its radius reaches the
 /// farthest of them.
 ///
-/// Tracks. Each thing continues the nearest track within reach of it, those of movers first, or
-/// begins one; what parts from a mover is a mover. A track is a
+/// Tracks. Each thing continues the nearest track within reach of it, or begins one. A track is a
 /// Kalman filter of constant velocity in the plane,
 ///   x = (p, v),   p <- p + v dt,   cov += W W' acceleration^2 dt^2,   W = (dt/2, 1),
 /// measured with one sigma of a cell. The spread of its Mover is that of v's sigma and
 /// options.spread.
 ///
 /// Who is not seen any more, beside the robot or out of view, has not gone: who walked is predicted
-/// for two seconds, and may be anywhere then; who stood stays there until rays at the body's
-/// heights pass through the middle and on either side, or for options.keep.
+/// for two seconds, and may be anywhere then; who stood is there until a ray at the body's heights
+/// passes through that place, or for options.keep.
 ///
 /// What becomes of the hits. What is new may be a chair leg that no ray had met yet, or furniture
 /// where the estimate has drifted: its hits are entered as any. Once it has moved by options.moved
 /// its hits clear up to them and are no obstacle of the map (DepthScan::passing), and movers()
 /// tells of it, so that nobody drives into it. What has not moved as far for `rests_after` is of
-/// the building again until it goes, unless it has walked: it got away from where it began, and
-/// rays passed through there. Furniture does not do that. Who has walked is never entered. At rest
-/// it is an obstacle that does not grow for the time ahead, and with_who_rests() closes the ground
-/// there: who plans goes round, and nobody waits for ever. So of who walks the first steps are in
-/// the map at most, until a ray clears them.
+/// the building again until it goes. So of who walks the first steps are in the map at most, until
+/// a ray clears them; who stands is gone round, and nobody waits for ever.
 ///
 /// Frames: W, in which the map may be corrected; what is followed then is off for as long as it is
 /// followed. Thread-safety: one thread. Errors: none; non-finite points say nothing. Deterministic.
@@ -77,9 +72,6 @@ class MoverTracker {
 
   /// Those that have moved, as predicted for `stamp` [s]; null: none.
   std::shared_ptr<const Movers> movers(double stamp) const;
-  /// The ground, free where somebody rests, with them as obstacles. The same object if nobody does.
-  std::shared_ptr<const GroundMap> with_who_rests(double stamp,
-                                                  std::shared_ptr<const GroundMap> ground) const;
 
  private:
   struct Thing {
@@ -90,16 +82,12 @@ class MoverTracker {
   struct Track {
     Eigen::Vector4d x = Eigen::Vector4d::Zero();
     Eigen::Matrix4d P = Eigen::Matrix4d::Zero();
-    double radius = 0.0;                              // [m]
-    double stamp = 0.0;                               // [s] of x
-    double seen = 0.0;                                // [s] when it last was
-    Eigen::Vector2d first = Eigen::Vector2d::Zero();  // where it began
-    Eigen::Vector2d home = Eigen::Vector2d::Zero();   // from where it has to move
-    double home_since = 0.0;                          // [s]
-    bool has_moved = false;                           // lately
-    bool walked = false;
-    bool is_somebody() const { return has_moved || walked; }  // else it is of the building
-    bool walks() const;
+    double radius = 0.0;                             // [m]
+    double stamp = 0.0;                              // [s] of x
+    double seen = 0.0;                               // [s] when it last was
+    Eigen::Vector2d home = Eigen::Vector2d::Zero();  // from where it has to move
+    double home_since = 0.0;                         // [s]
+    bool has_moved = false;                          // else it is of the building
     Mover mover(double spread) const;
   };
 
@@ -108,24 +96,18 @@ class MoverTracker {
   bool is_new(const GroundMap& ground, Cell cell) const;
   std::vector<Thing> things(const GroundMap& ground, std::span<const Cell> cells) const;
   void predict(Track& track, double stamp) const;
-  /// Whether a ray passes through the middle of a disc; of the whole also on either side of it.
-  static bool seen_through(const Disc& disc, bool whole, const HeightSlice& slice,
-                           const DepthScan& scan, double resolution);
+  /// Whether a ray passes through where a track is.
+  static bool seen_through(const Track& track, const HeightSlice& slice, const DepthScan& scan,
+                           double resolution);
   void measure(Track& track, const Thing& thing, double sigma) const;
-  /// Of each thing the track that goes on with it, at its time; none: -1.
-  std::vector<int> tracks_of(std::span<const Thing> things) const;
-  Track begin(const Thing& thing, double stamp, double sigma) const;
+  /// The track that goes on with a thing, at its time; none: -1.
+  int track_of(const Thing& thing, const std::vector<char>& taken) const;
   /// [s] for which one that is not seen is.
   double remembered(const Track& track) const;
-  bool rests(const Track& track, double stamp) const;
-  void judge(Track& track, const HeightSlice& slice, const DepthScan& scan,
-             double resolution) const;
+  void judge(Track& track, double stamp) const;
 
-  /// Adds cells that are not occupied in which hits are where a mover is.
-  void add_cells_of_movers(const OccupancyMapper& map, const GroundMap& ground,
-                           const DepthScan& scan, std::vector<Cell>& cells) const;
-  /// Of cells in which something was met and entered.
-  void note_what_came(const GroundMap& ground, std::span<const Cell> met);
+  /// Enters what hits free cells and is not held back.
+  void note_what_came(const GroundMap& ground, const OccupancyMapper& map, const DepthScan& scan);
 
   MoverTrackerOptions options_;
   /// When something was first seen in a cell that was free [s].

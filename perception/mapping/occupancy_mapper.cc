@@ -1186,7 +1186,6 @@ std::shared_ptr<const VoxelGrid> OccupancyMapper::voxels() {
   return impl_->mirror[impl_->current].voxels;
 }
 double OccupancyMapper::floor_level(const Eigen::Vector2d& at) const {
-  if (!impl_->floor || impl_->floor->is_flat()) return 0.0;
   const double r = impl_->options.resolution;
   const GridFrame frame{r, 0, 0, 1, 1};
   return r * impl_->level(frame.cell(at.x(), at.y()));

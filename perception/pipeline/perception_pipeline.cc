@@ -627,7 +627,6 @@ std::shared_ptr<const Belief> PerceptionPipeline::belief(double stamp) {
   }
   if (!options_.start_in_space) belief.pose.position.z() = options_.start.position.z();
   belief.movers = movers_->movers(belief.stamp);
-  belief.ground = movers_->with_who_rests(belief.stamp, belief.ground);
   belief.map_frame = corrections_.frame();
   if (straight_) {
     const Eigen::Vector3i planar(0, 1, 3);

@@ -191,7 +191,7 @@ std::shared_ptr<const Belief> FeatureSensors::belief(double stamp, const Pose& t
   belief->tracked_features = tracked_;
   belief->octree = mapper_->octree();
   belief->voxels = mapper_->voxels();
-  belief->ground = movers_.with_who_rests(stamp, mapper_->ground());
+  belief->ground = mapper_->ground();
   belief->landmarks = landmarks_.map();
   belief->movers = movers_.movers(stamp);
   belief->map_frame = corrections_.frame();
