@@ -20,8 +20,8 @@ inline constexpr double kSteepest = 0.1405408;
 /// 8 degrees from 12, and between neighbours less than a kerb. Our choice.
 constexpr double unevenness(double way) { return 0.03 * std::min(1.0, way / 0.3); }
 
-/// [m] by which floors may differ in height that join and lie `way` [m] apart on the ground: a step,
-/// or what the steepest ramp rises on that way.
+/// [m] by which floors may differ in height that join and lie `way` [m] apart on the ground: a
+/// step, or what the steepest ramp rises on that way.
 constexpr double most_that_joins(double way, double step) {
   return std::max(step, kSteepest * way + unevenness(way)) + 1e-9;
 }
