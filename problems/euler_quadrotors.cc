@@ -154,7 +154,7 @@ Eigen::VectorXd EulerQuadrotors::input(const Twist&) const {
 Eigen::VectorXd EulerQuadrotors::braking_input(const Eigen::Ref<const Eigen::VectorXd>&,
                                                const Eigen::Ref<const Eigen::VectorXd>&,
                                                double) const {
-  return Eigen::VectorXd::Constant(nu(), hover());
+  return input({});
 }
 
 double EulerQuadrotors::squared_speed(const Eigen::Ref<const Eigen::VectorXd>& x,

@@ -208,10 +208,9 @@ bool DepthMapper::make_scan(const DepthImage& image, const std::vector<char>& mo
         // By the measured plane and by the pose: then the ray went on through the floor's plane.
         const double sigma = ground_sigma(std::max(0.0, t.z()), z, options_.ground);
         const double through = -std::max({margin, map_->options().slice.step, kSure * sigma});
-        const double along =
-            options_.ground.noise_constant + options_.ground.noise_quadratic * z * z;
+        const double along = depth_sigma(z, options_.ground) * p.norm() / z;
         if (above < through && p_W.z() < through &&
-            (!options_.mismatches || below_.meet(t, p_W, along * p.norm() / z))) {
+            (!options_.mismatches || below_.meet(t, p_W, along))) {
           scan.hits.push_back(p_W);
           ++frame.below;
         }

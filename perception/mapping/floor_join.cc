@@ -23,14 +23,13 @@ FloorJoin::FloorJoin(double resolution, int k_body, double step)
     : r_(resolution),
       step_(step),
       highest_(step),
-      most_rise_(
-          std::max(step, kSteepest * (M_SQRT2 * resolution) + unevenness(M_SQRT2 * resolution))),
+      most_rise_(most_that_joins(M_SQRT2 * resolution, step)),
       k_body_(k_body),
       reach_(std::max(1, static_cast<int>(kBaseline / resolution + 1e-9))) {
   for (int d = 0; d < 2; ++d) {
     const double way = r_ * stride(d);
     for (int n = 0; n <= reach_; ++n) {
-      limits_[d].push_back(most_that_joins(way * static_cast<double>(n), step_));
+      limits_[d].push_back(most_that_joins(way * static_cast<double>(n), step_) + kHeightRounding);
     }
   }
 }

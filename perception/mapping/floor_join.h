@@ -20,14 +20,16 @@ inline constexpr double kSteepest = 0.1405408;
 /// 8 degrees from 12, and between neighbours less than a kerb. Our choice.
 constexpr double unevenness(double way) { return 0.03 * std::min(1.0, way / 0.3); }
 
+inline constexpr double kHeightRounding = 1e-9;  ///< [m]
+
 /// [m] by which floors may differ in height that join and lie `way` [m] apart on the ground: a
 /// step, or what the steepest ramp rises on that way.
 constexpr double most_that_joins(double way, double step) {
-  return std::max(step, kSteepest * way + unevenness(way)) + 1e-9;
+  return std::max(step, kSteepest * way + unevenness(way));
 }
 /// Whether floors join that lie `rise` [m] apart in height.
 constexpr bool joins(double rise, double way, double step) {
-  return rise <= most_that_joins(way, step);
+  return rise <= most_that_joins(way, step) + kHeightRounding;
 }
 
 /// A surface with room above.

@@ -27,7 +27,7 @@ struct Scored {
   std::vector<Eigen::Vector3d> points;
 
   void add(const Eigen::Vector3d& p, const GroundPlaneOptions& options) {
-    const double noise = (options.noise_constant + options.noise_quadratic * p.z() * p.z()) / p.z();
+    const double noise = depth_sigma(p.z(), options) / p.z();
     x.push_back(p.x());
     y.push_back(p.y());
     z.push_back(p.z());
@@ -157,7 +157,7 @@ double GroundPlane::sigma_tilt() const {
 double GroundPlane::sigma_height() const { return std::sqrt(std::max(0.0, covariance(2, 2))); }
 
 double ground_sigma(double height, double z, const GroundPlaneOptions& options) {
-  const double along = height / z * (options.noise_constant + options.noise_quadratic * z * z);
+  const double along = height / z * depth_sigma(z, options);
   return std::sqrt(options.unevenness * options.unevenness + along * along);
 }
 

@@ -81,6 +81,10 @@ struct GroundPlane {
   double above(const Eigen::Vector3d& p) const { return normal.dot(p) + height; }
 };
 
+/// [m] of a depth z: see GroundPlaneOptions.
+inline double depth_sigma(double z, const GroundPlaneOptions& options) {
+  return options.noise_constant + options.noise_quadratic * z * z;
+}
 /// Standard deviation of above() for a point of the ground at depth z > 0, camera at height h [m]:
 ///   sigma^2 = unevenness^2 + ((h/z) (noise_constant + noise_quadratic z^2))^2,
 /// since a depth error moves a point of the ground along its ray p, and n . p / z = -h/z.

@@ -2,11 +2,11 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <Eigen/Geometry>
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <unordered_map>
+
+#include "perception/odometry/lattice_cell.h"
 
 namespace prospect {
 
@@ -35,24 +35,14 @@ class MetTwice {
     const int steps = static_cast<int>(std::clamp(kWidth * sigma / step, 0.0, 1.0 * kMostSteps));
     bool met = false;
     for (int n = -steps; n <= steps && !met; ++n) {
-      const auto at = eyes_.find(key(p + n * ahead));
+      const auto at = eyes_.find(lattice_cell(p + n * ahead, cell_));
       met = at != eyes_.end() && (at->second.cast<double>() - eye).norm() >= kApart;
     }
-    eyes_.try_emplace(key(p), eye.cast<float>());
+    eyes_.try_emplace(lattice_cell(p, cell_), eye.cast<float>());
     return met;
   }
 
  private:
-  std::uint64_t key(const Eigen::Vector3d& p) const {
-    constexpr std::int64_t kOrigin = 1 << 20;
-    std::uint64_t k = 0;
-    for (int a = 0; a < 3; ++a) {
-      const auto at = static_cast<std::int64_t>(std::floor(p[a] / cell_)) + kOrigin;
-      k = (k << 21) | (static_cast<std::uint64_t>(at) & 0x1FFFFFU);
-    }
-    return k;
-  }
-
   double cell_;
   std::unordered_map<std::uint64_t, Eigen::Vector3f> eyes_;
 };
